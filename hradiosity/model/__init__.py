@@ -1,0 +1,1 @@
+"""What the user wrote: geometry, materials, luminaires, sensors; host only, SI units, immutable."""

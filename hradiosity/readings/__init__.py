@@ -1,0 +1,1 @@
+"""The light at a point, and the interval it carries."""

@@ -1,0 +1,1 @@
+"""Slow float64 twins and closed forms, for tests and examples only."""

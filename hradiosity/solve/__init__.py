@@ -1,0 +1,1 @@
+"""Iterations over the exchange operator; no geometry."""

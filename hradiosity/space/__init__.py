@@ -1,0 +1,1 @@
+"""What is where: ray structure, elements, findings about the geometry."""

@@ -1,0 +1,1 @@
+"""Light transport without wavelengths: direct light, exchange between elements."""
