@@ -1,0 +1,172 @@
+"""An opened device: context, queue, programs and arrays."""
+
+from __future__ import annotations
+
+import time
+import warnings
+from collections import defaultdict
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.device.choice import DeviceInfo, choose_device
+from hradiosity.device.kernel import LOCAL_SIZE, Kernel
+from hradiosity.device.sources import load_source, source_digest
+from hradiosity.errors import DeviceError
+
+if TYPE_CHECKING:
+    import pyopencl as cl
+
+DeviceArray: TypeAlias = Any
+"""A ``pyopencl.array.Array``; other layers only hold it, pass it to kernels and fetch it."""
+
+BuildKey: TypeAlias = tuple[tuple[str, ...], tuple[tuple[str, str], ...]]
+
+
+class Device:
+    """One OpenCL device with everything that lives on it.
+
+    Parameters
+    ----------
+    spec : str, optional
+        See `hradiosity.device.choice.choose_device`.
+    profile : bool
+        Record the time of each launch; `profile_table` sums it up.
+    """
+
+    def __init__(self, spec: str | None = None, *, profile: bool = False) -> None:
+        import pyopencl as cl
+
+        device, self.info = choose_device(spec)
+        self._context = cl.Context([device])
+        properties = cl.command_queue_properties.PROFILING_ENABLE if profile else 0
+        self._queue = cl.CommandQueue(self._context, properties=properties)
+        self._profile = profile
+        self._events: list[tuple[str, cl.Event]] = []
+        self._programs: dict[BuildKey, cl.Program] = {}
+        self._kernels: dict[tuple[BuildKey, str], Kernel] = {}
+        self.build_seconds = 0.0
+
+    @property
+    def description(self) -> str:
+        """Name, driver and size in one line."""
+        info: DeviceInfo = self.info
+        return f"{info.name} ({info.version}, {info.compute_units} compute units)"
+
+    def kernel(self, source: str, name: str, **definitions: int | str) -> Kernel:
+        """Kernel `name` of ``cl/kernels/<source>.cl``, built once for each set of definitions.
+
+        Parameters
+        ----------
+        source : str
+            File name without suffix.
+        name : str
+            The ``__kernel``'s name.
+        **definitions
+            Passed as ``-DNAME=value``.
+
+        Raises
+        ------
+        DeviceError
+            When the program does not build; carries the log with true file names and lines.
+        """
+        key: BuildKey = ((f"kernels/{source}.cl",), _sorted_definitions(definitions))
+        held = self._kernels.get((key, name))
+        if held is None:
+            import pyopencl as cl
+
+            program = self._program(key)
+            try:
+                held = Kernel(cl.Kernel(program, name), self._queue, self._record, LOCAL_SIZE)
+            except cl.Error as error:
+                raise DeviceError(f"kernels/{source}.cl has no kernel {name!r}") from error
+            self._kernels[key, name] = held
+        return held
+
+    def kernel_from_text(self, text: str, name: str, **definitions: int | str) -> Kernel:
+        """Kernel `name` of a source text (with includes already inlined); tests call device functions through it."""
+        import pyopencl as cl
+
+        program = self._build(text, _sorted_definitions(definitions), "a source text")
+        return Kernel(cl.Kernel(program, name), self._queue, self._record, LOCAL_SIZE)
+
+    def upload(self, array: NDArray[Any], dtype: Any = None) -> DeviceArray:
+        """Copy of a host array on the device, C-contiguous; an empty one gets room for one item."""
+        import pyopencl.array as cl_array
+
+        host = np.ascontiguousarray(array, dtype=dtype)
+        if host.size == 0:
+            return self.zeros((1,), host.dtype)
+        return cl_array.to_device(self._queue, host)
+
+    def zeros(self, shape: tuple[int, ...], dtype: Any) -> DeviceArray:
+        """New device array filled with 0."""
+        return self.upload(np.zeros(shape, dtype))
+
+    def empty(self, shape: tuple[int, ...], dtype: Any) -> DeviceArray:
+        """New device array, not filled; at least one item long.
+
+        Raises
+        ------
+        DeviceError
+            When the device has no room for it.
+        """
+        import pyopencl as cl
+        import pyopencl.array as cl_array
+
+        roomy = shape if all(n > 0 for n in shape) else (1,)
+        try:
+            return cl_array.empty(self._queue, roomy, np.dtype(dtype))
+        except cl.Error as error:
+            size = np.prod(roomy, dtype=np.int64) * np.dtype(dtype).itemsize
+            raise DeviceError(f"no room for {size / 2**20:.0f} MiB on {self.info.name}: {error}") from error
+
+    def fetch(self, array: DeviceArray) -> NDArray[Any]:
+        """Host copy of a device array; waits for the work that fills it."""
+        host: NDArray[Any] = array.get(self._queue)
+        return host
+
+    def finish(self) -> None:
+        """Wait for everything that was enqueued."""
+        self._queue.finish()
+
+    def profile_table(self) -> dict[str, tuple[int, float]]:
+        """Launches and seconds of each kernel so far; empty unless opened with ``profile=True``."""
+        self._queue.finish()
+        table: defaultdict[str, list[float]] = defaultdict(list)
+        for name, event in self._events:
+            table[name].append((event.profile.end - event.profile.start) * 1e-9)
+        return {name: (len(times), sum(times)) for name, times in sorted(table.items())}
+
+    def _record(self, name: str, event: cl.Event) -> None:
+        if self._profile:
+            self._events.append((name, event))
+
+    def _program(self, key: BuildKey) -> cl.Program:
+        program = self._programs.get(key)
+        if program is None:
+            names, definitions = key
+            program = self._build(load_source(names), definitions, ", ".join(names))
+            self._programs[key] = program
+        return program
+
+    def _build(self, text: str, definitions: tuple[tuple[str, str], ...], label: str) -> cl.Program:
+        import pyopencl as cl
+
+        options = ["-cl-std=CL1.2", "-cl-kernel-arg-info", f"-DHR_SOURCE_DIGEST=0x{source_digest()}UL"]
+        options += [f"-D{name}={value}" for name, value in definitions]
+        start = time.perf_counter()
+        try:
+            with warnings.catch_warnings():
+                # Drivers report "N warnings generated" for harmless remarks; the tests turn this into an error.
+                warnings.simplefilter("ignore", cl.CompilerWarning)
+                program = cl.Program(self._context, text).build(options)
+        except cl.Error as error:
+            raise DeviceError(f"{label} does not build on {self.info.name}:\n{error}") from error
+        self.build_seconds += time.perf_counter() - start
+        return program
+
+
+def _sorted_definitions(definitions: dict[str, int | str]) -> tuple[tuple[str, str], ...]:
+    return tuple(sorted((name, str(value)) for name, value in definitions.items()))
