@@ -40,7 +40,7 @@ class Device:
 
         device, self.info = choose_device(spec)
         self._context = cl.Context([device])
-        properties = cl.command_queue_properties.PROFILING_ENABLE if profile else 0
+        properties = cl.command_queue_properties.PROFILING_ENABLE if profile else None
         self._queue = cl.CommandQueue(self._context, properties=properties)
         self._profile = profile
         self._events: list[tuple[str, cl.Event]] = []
@@ -161,7 +161,7 @@ class Device:
             with warnings.catch_warnings():
                 # Drivers report "N warnings generated" for harmless remarks; the tests turn this into an error.
                 warnings.simplefilter("ignore", cl.CompilerWarning)
-                program = cl.Program(self._context, text).build(options)
+                program: cl.Program = cl.Program(self._context, text).build(options)
         except cl.Error as error:
             raise DeviceError(f"{label} does not build on {self.info.name}:\n{error}") from error
         self.build_seconds += time.perf_counter() - start

@@ -49,7 +49,7 @@ class Kernel:
         self.name: str = kernel.function_name
         info = cl.kernel_arg_info
         self._arguments: dict[str, str] = {
-            kernel.get_arg_info(i, info.NAME): kernel.get_arg_info(i, info.TYPE_NAME).replace("const ", "").strip()
+            str(kernel.get_arg_info(i, info.NAME)): str(kernel.get_arg_info(i, info.TYPE_NAME)).replace("const ", "")
             for i in range(kernel.num_args)
         }
 
