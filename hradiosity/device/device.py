@@ -40,8 +40,10 @@ class Device:
 
         device, self.info = choose_device(spec)
         self._context = cl.Context([device])
-        properties = cl.command_queue_properties.PROFILING_ENABLE if profile else None
-        self._queue = cl.CommandQueue(self._context, properties=properties)
+        profiling = cl.command_queue_properties.PROFILING_ENABLE
+        self._queue = (
+            cl.CommandQueue(self._context, properties=profiling) if profile else cl.CommandQueue(self._context)
+        )
         self._profile = profile
         self._events: list[tuple[str, cl.Event]] = []
         self._programs: dict[BuildKey, cl.Program] = {}
