@@ -1,0 +1,158 @@
+"""Colour from spectra in bands: pure functions of arrays."""
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.constants import MAXIMUM_LUMINOUS_EFFICACY
+from hradiosity.model import photometry
+from hradiosity.model.spectrum import Bands, Spectrum, band_mean
+
+SRGB_PRIMARIES: Final = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])
+"""Chromaticities x, y of red, green, blue. IEC 61966-2-1."""
+
+SRGB_WHITE: Final = np.array([0.3127, 0.3290])
+"""Chromaticity x, y of white, D65. IEC 61966-2-1."""
+
+ROUNDING: Final = 1e-9
+"""How far below 0 or above 1 a linear value may lie by rounding alone."""
+
+
+def xyz_weights(bands: Bands, observer: str = "1931") -> NDArray[np.float64]:
+    """Weights that turn power per band into tristimulus values: K_m times the mean of x̄, ȳ, z̄ over each band.
+
+    Parameters
+    ----------
+    bands : Bands
+    observer : "1931" or "1964"
+
+    Returns
+    -------
+    (n_bands, 3) float64 [lm W⁻¹]
+        With the 1931 observer, Y is in lm for W, lx for W m⁻², cd m⁻² for W m⁻² sr⁻¹.
+
+    Raises
+    ------
+    ValueError
+        For another observer.
+    """
+    wavelength, functions = photometry.observer(observer)
+    means = [band_mean(Spectrum(wavelength, function), bands, "zero").value for function in functions.T]
+    return MAXIMUM_LUMINOUS_EFFICACY * np.stack(means, axis=1)
+
+
+def xyz(power: NDArray[np.float64], bands: Bands, observer: str = "1931") -> NDArray[np.float64]:
+    """Tristimulus values.
+
+    Parameters
+    ----------
+    power : (…, n_bands) float64
+        Irradiance, radiance or any other power per band.
+    bands : Bands
+    observer : "1931" or "1964"
+
+    Returns
+    -------
+    (…, 3) float64
+        X, Y, Z in the photometric unit that belongs to ``power``.
+    """
+    return np.einsum("...b,bc->...c", power, xyz_weights(bands, observer))
+
+
+def chromaticity(tristimulus: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Chromaticity coordinates x, y.
+
+    Parameters
+    ----------
+    tristimulus : (…, 3) float64
+
+    Returns
+    -------
+    (…, 2) float64
+        NaN where there is no light.
+    """
+    total = tristimulus.sum(axis=-1, keepdims=True)
+    undefined = np.full_like(tristimulus[..., :2], np.nan)
+    return np.divide(tristimulus[..., :2], total, out=undefined, where=total > 0)
+
+
+def _srgb_from_xyz() -> NDArray[np.float64]:
+    """(3, 3) matrix that takes white of luminance 1 to (1, 1, 1), from the primaries and the white.
+
+    Source: SMPTE RP 177-1993, derivation of the normalised primary matrix.
+    """
+    chromaticities = np.vstack([SRGB_PRIMARIES, SRGB_WHITE])
+    x, y = chromaticities.T
+    per_luminance = np.stack([x / y, np.ones(4), (1 - x - y) / y])
+    luminances = np.linalg.solve(per_luminance[:, :3], per_luminance[:, 3])
+    return np.linalg.inv(per_luminance[:, :3] * luminances)
+
+
+def xyz_to_linear_srgb(tristimulus: NDArray[np.float64], white_luminance: float) -> NDArray[np.float64]:
+    """Linear sRGB, without adaptation to the scene's white.
+
+    Parameters
+    ----------
+    tristimulus : (…, 3) float64
+        From the 1931 observer.
+    white_luminance : float
+        Y that the display shows as its white.
+
+    Returns
+    -------
+    (…, 3) float64
+        0 … 1 for what the display can show; not clipped.
+
+    Raises
+    ------
+    ValueError
+        Unless ``white_luminance`` is positive and finite.
+    """
+    if not (np.isfinite(white_luminance) and white_luminance > 0):
+        raise ValueError(f"the luminance of white must be positive, is {white_luminance}")
+    return np.einsum("...c,rc->...r", tristimulus / white_luminance, _srgb_from_xyz())
+
+
+def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Values of a picture file, 0 … 1, from linear sRGB; clips what the display can't show. IEC 61966-2-1.
+
+    Parameters
+    ----------
+    linear : (…, 3) float64
+
+    Returns
+    -------
+    (…, 3) float64
+    """
+    clipped = np.clip(linear, 0.0, 1.0)
+    return np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
+
+
+def out_of_gamut(linear: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Where the colour is too saturated for the display at any brightness: a channel below 0.
+
+    Parameters
+    ----------
+    linear : (…, 3) float64
+
+    Returns
+    -------
+    (…) bool
+    """
+    scale = np.maximum(np.abs(linear).max(axis=-1), 1.0)
+    return np.asarray(linear.min(axis=-1) < -ROUNDING * scale)
+
+
+def overexposed(linear: NDArray[np.float64]) -> NDArray[np.bool_]:
+    """Where the light is too bright for the display: a channel above 1.
+
+    Parameters
+    ----------
+    linear : (…, 3) float64
+
+    Returns
+    -------
+    (…) bool
+    """
+    return np.asarray(linear.max(axis=-1) > 1.0 + ROUNDING)
