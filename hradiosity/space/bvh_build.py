@@ -74,7 +74,7 @@ def _frame(patches: Patches) -> tuple[NDArray[np.float64], float]:
 
 
 def _triangles(patches: Patches, local_origin: NDArray[np.float64]) -> _Triangles:
-    """Triangles with area, first halves before second ones; corners are rounded once, so that both halves share them."""
+    """Triangles with area, first halves before second ones; corners are rounded once, so both halves share them."""
     corners = (patches.corners() - local_origin).astype(np.float32)
     second = np.flatnonzero(~patches.is_triangle)
     both = np.concatenate([corners[:, [0, 1, 3]], corners[second][:, [2, 3, 1]]])
