@@ -36,9 +36,7 @@ class _HalfEdges(NamedTuple):
     forward: NDArray[np.bool_]
 
 
-def find_solids(
-    corners: NDArray[np.float64], is_triangle: NDArray[np.bool_], objects: NDArray[np.integer]
-) -> Shells:
+def find_solids(corners: NDArray[np.float64], is_triangle: NDArray[np.bool_], objects: NDArray[np.integer]) -> Shells:
     """Find closed shells, object by object.
 
     Corners within 1e-7 of the diagonal of everything's bounding box are one vertex (``WELD_TOLERANCE``). A shell is
@@ -74,9 +72,7 @@ def find_solids(
     return Shells(_numbered(shell, thickness > bound), _numbered(shell, thickness < -bound))
 
 
-def _half_edges(
-    vertex: NDArray[np.int64], objects: NDArray[np.integer]
-) -> tuple[_HalfEdges, NDArray[np.int64]]:
+def _half_edges(vertex: NDArray[np.int64], objects: NDArray[np.integer]) -> tuple[_HalfEdges, NDArray[np.int64]]:
     """Half-edges sorted by edge, and the number 4 · patch + side of each; edges without length are left out."""
     start, end = vertex.ravel(), np.roll(vertex, -1, axis=1).ravel()
     side = np.flatnonzero(start != end)
@@ -89,9 +85,7 @@ def _half_edges(
     return _HalfEdges((side // 4)[order], group[order], (start < end)[order]), side[order]
 
 
-def _around_edges(
-    edges: _HalfEdges, corners: NDArray[np.float64], side: NDArray[np.int64]
-) -> NDArray[np.int64]:
+def _around_edges(edges: _HalfEdges, corners: NDArray[np.float64], side: NDArray[np.int64]) -> NDArray[np.int64]:
     """Order of half-edges by edge, then by angle around it, seen so that matter follows a forward patch.
 
     Angles count from the first patch of the edge. Of two patches at one angle the one that ends matter comes first,
@@ -107,9 +101,7 @@ def _around_edges(
     first = np.flatnonzero(np.diff(edges.group, prepend=-1))[edges.group]
     zero, axis = inwards[first], along[first]
     # In front of a forward patch lies along × inwards; matter is behind it, so angles run the other way.
-    turn = np.arctan2(
-        -np.einsum("ij,ij->i", np.cross(axis, zero), inwards), np.einsum("ij,ij->i", zero, inwards)
-    )
+    turn = np.arctan2(-np.einsum("ij,ij->i", np.cross(axis, zero), inwards), np.einsum("ij,ij->i", zero, inwards))
     step = np.round(turn * (_ANGLE_STEPS / (2.0 * np.pi))).astype(np.int64) % _ANGLE_STEPS
     return np.lexsort((edges.forward, step, edges.group))
 
@@ -130,7 +122,6 @@ def _pair_up(edges: _HalfEdges) -> tuple[NDArray[np.int64], NDArray[np.int64], N
     paired = ~faulty[edges.group]
     opening = here[paired & edges.forward]
     return opening, following[opening], paired
-
 
 
 def _volumes(

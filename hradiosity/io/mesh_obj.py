@@ -1,0 +1,161 @@
+"""Wavefront OBJ with its MTL files, read in double precision and with names as they stand there."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Final, Literal
+
+import numpy as np
+
+from hradiosity.errors import Fault, SceneError
+from hradiosity.io.mesh_raw import PartLabel, RawMesh, triangulate_faces
+from hradiosity.model.scene import Note
+
+_MOST_FAULTS: Final = 20
+_SURFACES: Final = "free-form surfaces"
+_NOT_READ: Final = {"l": "lines", "p": "points", "curv": "curves", "curv2": "curves", "surf": _SURFACES}
+
+
+@dataclass
+class _Parser:
+    """State while the lines of one file pass by."""
+
+    path: Path
+    vertices: list[tuple[float, float, float]] = field(default_factory=list)
+    faces: list[list[int]] = field(default_factory=list)
+    face_part: list[int] = field(default_factory=list)
+    parts: dict[tuple[str, str, str], int] = field(default_factory=dict)
+    libraries: list[str] = field(default_factory=list)
+    left_out: dict[str, int] = field(default_factory=dict)
+    faults: list[Fault] = field(default_factory=list)
+    object_name: str = ""
+    group_name: str = ""
+    material: str = ""
+
+    def vertex(self, text: str) -> None:
+        x, y, z = text.split(maxsplit=3)[:3]
+        self.vertices.append((float(x), float(y), float(z)))
+
+    def face(self, text: str) -> None:
+        n = len(self.vertices)
+        corners = [int(word.partition("/")[0]) for word in text.split()]
+        corners = [number - 1 if number > 0 else n + number for number in corners]
+        if len(corners) < 3:
+            raise ValueError("a face needs three corners")
+        if not all(0 <= number < n for number in corners):
+            raise ValueError(f"a corner that isn't among the {n} vertices above")
+        key = (self.object_name, self.group_name, self.material)
+        self.faces.append(corners)
+        self.face_part.append(self.parts.setdefault(key, len(self.parts)))
+
+    def name_object(self, text: str) -> None:
+        self.object_name = text
+
+    def name_group(self, text: str) -> None:
+        self.group_name = text
+
+    def use_material(self, text: str) -> None:
+        self.material = text
+
+    def library(self, text: str) -> None:
+        self.libraries.append(text)
+
+
+def read_obj(path: Path) -> RawMesh:
+    """Read an OBJ file.
+
+    A part is what shares object name (``o``; without it the whole ``g`` line) and material (``usemtl``). Names may
+    hold spaces. Faces are cut into triangles; lines, points and free-form surfaces are left out with a note.
+
+    Raises
+    ------
+    SceneError
+        Naming the lines that can't be understood.
+    """
+    parser = _Parser(path)
+    actions: dict[str, Callable[[str], None]] = {
+        "v": parser.vertex,
+        "f": parser.face,
+        "o": parser.name_object,
+        "g": parser.name_group,
+        "usemtl": parser.use_material,
+        "mtllib": parser.library,
+    }
+    for number, line in _lines(_text(path)):
+        keyword, _, rest = line.partition(" ")
+        action = actions.get(keyword)
+        if action is None:
+            if keyword in _NOT_READ:
+                parser.left_out[_NOT_READ[keyword]] = parser.left_out.get(_NOT_READ[keyword], 0) + 1
+            continue
+        try:
+            action(rest.strip())
+        except ValueError as error:
+            parser.faults.append(Fault(str(path), f"line {number}", f"{line[:60]!r} ({error})", "a valid OBJ line"))
+            if len(parser.faults) == _MOST_FAULTS:
+                break
+    if parser.faults:
+        raise SceneError(parser.faults)
+    return _assemble(parser)
+
+
+def _assemble(parser: _Parser) -> RawMesh:
+    vertices = np.array(parser.vertices, dtype=np.float64).reshape(-1, 3)
+    triangles, face, doubtful = triangulate_faces(vertices, parser.faces)
+    textured, notes = _read_libraries(parser)
+    labels: dict[PartLabel, int] = {}
+    renumber = np.zeros(len(parser.parts), dtype=np.int64)
+    for (name, group, material), part in parser.parts.items():
+        label = PartLabel(name or group or parser.path.stem, material, material in textured)
+        renumber[part] = labels.setdefault(label, len(labels))
+    place = str(parser.path)
+    for what, number in parser.left_out.items():
+        kind: Literal["warning", "info"] = "warning" if what == _SURFACES else "info"
+        notes.append(Note(kind, place, f"{number} {what} left out: only faces are read"))
+    if doubtful:
+        notes.append(Note("warning", place, f"{doubtful} faces have crossing edges or no area; cut as fans"))
+    part_of_face = renumber[np.array(parser.face_part, dtype=np.int64)[face]]
+    return RawMesh(vertices, triangles, part_of_face, tuple(labels), tuple(notes))
+
+
+def _text(path: Path) -> str:
+    data = path.read_bytes()
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def _lines(text: str) -> Iterator[tuple[int, str]]:
+    """Numbered lines without comments, blanks, and with continued ones joined."""
+    pending = ""
+    for number, raw in enumerate(text.split("\n"), start=1):
+        line = raw.strip()
+        if line.endswith("\\"):
+            pending += line[:-1] + " "
+            continue
+        line, pending = (pending + line).replace("\t", " "), ""
+        if line and not line.startswith("#"):
+            yield number, line
+
+
+def _read_libraries(parser: _Parser) -> tuple[set[str], list[Note]]:
+    """Names of materials with a colour texture, and notes on libraries that aren't there."""
+    textured: set[str] = set()
+    notes = []
+    for library in parser.libraries:
+        path = parser.path.parent / library
+        if not path.is_file():
+            message = (
+                f"material library {library!r} is missing: textures are not known (reflectances come from the scene)"
+            )
+            notes.append(Note("info", str(parser.path), message))
+            continue
+        name = ""
+        for _, line in _lines(_text(path)):
+            keyword, _, rest = line.partition(" ")
+            if keyword == "newmtl":
+                name = rest.strip()
+            elif keyword.lower() == "map_kd":
+                textured.add(name)
+    return textured, notes

@@ -1,0 +1,66 @@
+"""Reads and mends one mesh file in a process of its own, so that a crash of native code ends only that process.
+
+Called as ``python -m hradiosity.io.mesh_worker FILE RESULT.npz``.
+"""
+
+import json
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from hradiosity.errors import Fault, SceneError
+from hradiosity.io.mesh_assimp import read_with_assimp
+from hradiosity.io.mesh_clean import clean
+from hradiosity.io.mesh_gltf import read_gltf
+from hradiosity.io.mesh_obj import read_obj
+from hradiosity.io.mesh_raw import RawMesh
+
+READERS: Final[dict[str, Callable[[Path], RawMesh]]] = {
+    ".obj": read_obj,
+    ".gltf": read_gltf,
+    ".glb": read_gltf,
+    ".ply": read_with_assimp,
+    ".stl": read_with_assimp,
+}
+
+
+def load(path: Path) -> RawMesh:
+    """Read and mend the file; its suffix must be one of ``READERS``.
+
+    Raises
+    ------
+    SceneError
+        When the file can't be read or holds nothing usable.
+    """
+    try:
+        mesh = READERS[path.suffix.lower()](path)
+    except OSError as error:
+        raise SceneError([Fault(str(path), "", f"can't be opened ({error.strerror})", "a readable file")]) from error
+    return clean(mesh, str(path))
+
+
+def main(source: str, target: str) -> None:
+    """Write the mesh, or the faults, to ``target``."""
+    try:
+        mesh = load(Path(source))
+    except SceneError as error:
+        with Path(target).open("wb") as stream:
+            np.savez(stream, faults=np.array(json.dumps([asdict(fault) for fault in error.faults])))
+        return
+    described = {"labels": [asdict(label) for label in mesh.labels], "notes": [asdict(note) for note in mesh.notes]}
+    with Path(target).open("wb") as stream:
+        np.savez(
+            stream,
+            vertices=mesh.vertices,
+            triangles=mesh.triangles,
+            part=mesh.part,
+            described=np.array(json.dumps(described)),
+        )
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
