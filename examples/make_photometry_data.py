@@ -73,6 +73,17 @@ def alpha_opic() -> NDArray[np.float64]:
     return np.stack([short, medium, long, tabulated(rods.wavelengths, rods.values), melanopic()], axis=1)
 
 
+def illuminant(name: str) -> NDArray[np.float64]:
+    """(2, m) wavelength and relative power; lamps are brought to 1 nm by Sprague's method, as CIE 167:2005 asks.
+
+    Daylight keeps its 5 nm: CIE 15:2018 defines it as linear in between.
+    """
+    table = colour.SDS_ILLUMINANTS[name].copy()
+    if name.startswith(("FL", "HP", "LED")):
+        table.interpolate(colour.SpectralShape(380, 780, 1), interpolator=colour.SpragueInterpolator)
+    return np.stack([table.wavelengths, np.maximum(np.round(table.values, 6), 0.0)])
+
+
 def tables() -> dict[str, NDArray[np.float64]]:
     """Every table by name; spectra are (2, m) rows of wavelength and value."""
     found = {"wavelength": WAVELENGTH, "alpha_opic": alpha_opic()}
@@ -84,8 +95,7 @@ def tables() -> dict[str, NDArray[np.float64]]:
     found["illuminant/A"] = np.stack([illuminant_a.wavelengths, illuminant_a.values])
     found["illuminant/E"] = np.array([[300.0, 830.0], [100.0, 100.0]])
     for name in ILLUMINANTS:
-        table = colour.SDS_ILLUMINANTS[name]
-        found[f"illuminant/{name}"] = np.stack([table.wavelengths, table.values])
+        found[f"illuminant/{name}"] = illuminant(name)
     for name, table in colour.SDS_COLOURCHECKERS["ISO 17321-1"].items():
         found[f"colorchecker/{name.split(' (')[0]}"] = np.stack([table.wavelengths, table.values])
     for name in ("white", "red", "green"):

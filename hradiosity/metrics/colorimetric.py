@@ -6,8 +6,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.constants import MAXIMUM_LUMINOUS_EFFICACY
+from hradiosity.metrics.weights import band_weights
 from hradiosity.model import photometry
-from hradiosity.model.spectrum import Bands, Spectrum, band_mean
+from hradiosity.model.spectrum import Bands, Spectrum
 
 SRGB_PRIMARIES: Final = np.array([[0.64, 0.33], [0.30, 0.60], [0.15, 0.06]])
 """Chromaticities x, y of red, green, blue. IEC 61966-2-1."""
@@ -20,7 +21,7 @@ ROUNDING: Final = 1e-9
 
 
 def xyz_weights(bands: Bands, observer: str = "1931") -> NDArray[np.float64]:
-    """Weights that turn power per band into tristimulus values: K_m times the mean of x̄, ȳ, z̄ over each band.
+    """Weights that turn power per band into tristimulus values: K_m times x̄, ȳ, z̄ over each band.
 
     Parameters
     ----------
@@ -38,8 +39,8 @@ def xyz_weights(bands: Bands, observer: str = "1931") -> NDArray[np.float64]:
         For another observer.
     """
     wavelength, functions = photometry.observer(observer)
-    means = [band_mean(Spectrum(wavelength, function), bands, "zero").value for function in functions.T]
-    return MAXIMUM_LUMINOUS_EFFICACY * np.stack(means, axis=1)
+    columns = [band_weights(Spectrum(wavelength, function), bands) for function in functions.T]
+    return MAXIMUM_LUMINOUS_EFFICACY * np.stack(columns, axis=1)
 
 
 def xyz(power: NDArray[np.float64], bands: Bands, observer: str = "1931") -> NDArray[np.float64]:
@@ -57,7 +58,8 @@ def xyz(power: NDArray[np.float64], bands: Bands, observer: str = "1931") -> NDA
     (…, 3) float64
         X, Y, Z in the photometric unit that belongs to ``power``.
     """
-    return np.einsum("...b,bc->...c", power, xyz_weights(bands, observer))
+    summed: NDArray[np.float64] = np.einsum("...b,bc->...c", power, xyz_weights(bands, observer))
+    return summed
 
 
 def chromaticity(tristimulus: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -73,8 +75,9 @@ def chromaticity(tristimulus: NDArray[np.float64]) -> NDArray[np.float64]:
         NaN where there is no light.
     """
     total = tristimulus.sum(axis=-1, keepdims=True)
-    undefined = np.full_like(tristimulus[..., :2], np.nan)
-    return np.divide(tristimulus[..., :2], total, out=undefined, where=total > 0)
+    xy = np.full_like(tristimulus[..., :2], np.nan)
+    np.divide(tristimulus[..., :2], total, out=xy, where=total > 0)
+    return xy
 
 
 def _srgb_from_xyz() -> NDArray[np.float64]:
@@ -111,7 +114,8 @@ def xyz_to_linear_srgb(tristimulus: NDArray[np.float64], white_luminance: float)
     """
     if not (np.isfinite(white_luminance) and white_luminance > 0):
         raise ValueError(f"the luminance of white must be positive, is {white_luminance}")
-    return np.einsum("...c,rc->...r", tristimulus / white_luminance, _srgb_from_xyz())
+    linear: NDArray[np.float64] = np.einsum("...c,rc->...r", tristimulus / white_luminance, _srgb_from_xyz())
+    return linear
 
 
 def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -4,14 +4,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.constants import MAXIMUM_LUMINOUS_EFFICACY
+from hradiosity.metrics.weights import band_weights
 from hradiosity.model import photometry
-from hradiosity.model.spectrum import Bands, band_mean
+from hradiosity.model.spectrum import Bands
 
 
 def luminous_weights(bands: Bands) -> NDArray[np.float64]:
-    """Luminous efficacy of each band: K_m times the mean of V(λ) over it.
-
-    Exact for light that is uniform inside each band; the error for other light falls with the square of the width.
+    """Luminous efficacy of each band: K_m times V(λ) over it, see `band_weights`.
 
     Parameters
     ----------
@@ -21,7 +20,7 @@ def luminous_weights(bands: Bands) -> NDArray[np.float64]:
     -------
     (n_bands,) float64 [lm W⁻¹]
     """
-    return MAXIMUM_LUMINOUS_EFFICACY * band_mean(photometry.luminous_efficiency(), bands, "zero").value
+    return MAXIMUM_LUMINOUS_EFFICACY * band_weights(photometry.luminous_efficiency(), bands)
 
 
 def illuminance(irradiance: NDArray[np.float64], bands: Bands) -> NDArray[np.float64]:
@@ -36,7 +35,8 @@ def illuminance(irradiance: NDArray[np.float64], bands: Bands) -> NDArray[np.flo
     -------
     (…) float64 [lx]
     """
-    return np.einsum("...b,b->...", irradiance, luminous_weights(bands))
+    summed: NDArray[np.float64] = np.einsum("...b,b->...", irradiance, luminous_weights(bands))
+    return summed
 
 
 def luminance(radiance: NDArray[np.float64], bands: Bands) -> NDArray[np.float64]:
@@ -51,4 +51,5 @@ def luminance(radiance: NDArray[np.float64], bands: Bands) -> NDArray[np.float64
     -------
     (…) float64 [cd m⁻²]
     """
-    return np.einsum("...b,b->...", radiance, luminous_weights(bands))
+    summed: NDArray[np.float64] = np.einsum("...b,b->...", radiance, luminous_weights(bands))
+    return summed

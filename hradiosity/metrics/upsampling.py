@@ -34,14 +34,15 @@ def upsample_rgb(rgb: ArrayLike, method: Upsampling = "mallett2019") -> Spectrum
     """
     triple = np.asarray(rgb, dtype=np.float64)
     if triple.shape != (3,) or not ((triple >= 0) & (triple <= 1)).all():
-        raise ValueError(f"a colour is three numbers of linear sRGB from 0 to 1, not {rgb}")
+        raise ValueError(f"a colour is three numbers of linear sRGB from 0 to 1, not {rgb!r}")
     if method not in ("mallett2019", "otsu2018"):
         raise ValueError(f"method must be 'mallett2019' or 'otsu2018', not {method!r}")
     import colour  # 3 s: only when a colour has to be guessed
 
-    if method == "mallett2019":
-        found = colour.recovery.RGB_to_sd_Mallett2019(triple)
-    else:
-        tristimulus = colour.RGB_to_XYZ(triple, "sRGB", apply_cctf_decoding=False)
-        found = colour.recovery.XYZ_to_sd_Otsu2018(tristimulus)
+    with colour.utilities.suppress_warnings(colour_warnings=True):  # it tells of resampling that is meant
+        if method == "mallett2019":
+            found = colour.recovery.RGB_to_sd_Mallett2019(triple)
+        else:
+            tristimulus = colour.RGB_to_XYZ(triple, "sRGB", apply_cctf_decoding=False)
+            found = colour.recovery.XYZ_to_sd_Otsu2018(tristimulus)
     return Spectrum(np.asarray(found.wavelengths), np.clip(np.asarray(found.values), 0.0, 1.0))
