@@ -1,0 +1,92 @@
+"""Collects what is wrong or worth saying while a scene is read, so that all of it reaches the user at once."""
+
+import difflib
+from collections.abc import Iterable
+from pathlib import Path
+
+from hradiosity.errors import Fault, SceneError
+from hradiosity.io.scene_lines import Location, find_lines, line_of
+from hradiosity.model.scene import Note
+
+
+def did_you_mean(word: str, known: Iterable[str]) -> str:
+    """A sentence that offers the closest known word, or else lists what is known."""
+    choices = sorted(known)
+    folded = {choice.casefold(): choice for choice in choices}
+    close = difflib.get_close_matches(word.casefold(), folded, n=1, cutoff=0.6)
+    if close:
+        return f"did you mean {folded[close[0]]!r}?"
+    if not choices:
+        return "none is defined"
+    shown = ", ".join(choices[:12])
+    return f"known: {shown}, …" if len(choices) > 12 else f"known: {shown}"
+
+
+def entry_name(location: Location) -> str:
+    """``("box", 2, "size")`` as ``box[2].size``."""
+    name = ""
+    for part in location:
+        if isinstance(part, int):
+            name += f"[{part}]"
+        else:
+            name += f".{part}" if name else part
+    return name
+
+
+class Report:
+    """Faults and notes of one scene file, with the line that each belongs to.
+
+    Parameters
+    ----------
+    path : Path
+        The scene file; other files are looked for beside it.
+    text : str
+        Its content.
+    """
+
+    def __init__(self, path: Path, text: str) -> None:
+        self.path = path
+        self.notes: list[Note] = []
+        self.faults: list[Fault] = []
+        self._lines = find_lines(text)
+
+    def place(self, location: Location) -> str:
+        """``scene.toml:12``, or just the file where no line is known."""
+        line = line_of(self._lines, location)
+        return f"{self.path}:{line}" if line is not None else str(self.path)
+
+    def fault(self, location: Location, found: str, expected: str) -> None:
+        """Add a fault of the scene file."""
+        self.faults.append(Fault(self.place(location), entry_name(location), found, expected))
+
+    def warn(self, location: Location, message: str) -> None:
+        """Add a warning: a number may be affected."""
+        self.notes.append(Note("warning", f"{self.place(location)} {entry_name(location)}", message))
+
+    def inform(self, location: Location, message: str) -> None:
+        """Add a note on something that was assumed."""
+        self.notes.append(Note("info", f"{self.place(location)} {entry_name(location)}", message))
+
+    def adopt(self, error: SceneError, location: Location) -> None:
+        """Take over the faults of another file, saying which entry asked for it."""
+        asked = f"{self.place(location)} {entry_name(location)}"
+        for fault in error.faults:
+            expected = f"{fault.expected} (asked for by {asked})" if fault.expected else f"asked for by {asked}"
+            self.faults.append(Fault(fault.file, fault.entry, fault.found, expected))
+
+    def find_file(self, name: str, location: Location) -> Path | None:
+        """The file that an entry names, relative to the scene file's folder; None and a fault when there is none."""
+        path = self.path.parent / name
+        if path.is_file():
+            return path
+        folder = path.parent
+        beside = [other.name for other in folder.iterdir() if other.is_file()] if folder.is_dir() else []
+        close = difflib.get_close_matches(path.name, beside, n=1, cutoff=0.6)
+        hint = f"did you mean {close[0]!r}?" if close else "paths are relative to the folder of the scene file"
+        self.fault(location, f"no file {path}", hint)
+        return None
+
+    def raise_faults(self) -> None:
+        """Raise ``SceneError`` if there is any fault."""
+        if self.faults:
+            raise SceneError(self.faults)

@@ -1,0 +1,40 @@
+"""Bricks of the scene format: tables that refuse unknown keys, numbers, vectors."""
+
+from typing import Annotated, Any
+
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, Strict
+from pydantic_core import PydanticCustomError
+
+
+class Table(BaseModel):
+    """A table of the scene file; a key that it does not know is a fault, so that a misspelling is never ignored."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, str_strip_whitespace=True)
+
+
+def _three_numbers(value: Any) -> Any:
+    if not isinstance(value, list) or len(value) != 3:
+        raise PydanticCustomError("vector", "three numbers in brackets are needed, [x, y, z]")
+    return value
+
+
+Number = Annotated[float, Strict()]
+Count = Annotated[int, Strict(), Field(ge=1)]
+Positive = Annotated[float, Strict(), Field(gt=0)]
+Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)]
+Name = Annotated[str, Strict(), Field(min_length=1)]
+
+
+def exactly_one(table: BaseModel, *keys: str) -> str:
+    """The one key of ``keys`` that is given.
+
+    Raises ``PydanticCustomError``, which pydantic turns into a fault of the scene file, when none or several are given.
+    """
+    given = [key for key in keys if getattr(table, key) is not None]
+    if len(given) != 1:
+        raise PydanticCustomError(
+            "exactly_one",
+            "exactly one of {choices} is needed, not {given}",
+            {"choices": ", ".join(keys), "given": " and ".join(given) if given else "none"},
+        )
+    return given[0]
