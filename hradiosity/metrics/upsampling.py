@@ -39,7 +39,7 @@ def upsample_rgb(rgb: ArrayLike, method: Upsampling = "mallett2019") -> Spectrum
         raise ValueError(f"method must be 'mallett2019' or 'otsu2018', not {method!r}")
     import colour  # 3 s: only when a colour has to be guessed
 
-    with colour.utilities.suppress_warnings(colour_warnings=True):  # it tells of resampling that is meant
+    with colour.utilities.suppress_warnings(colour_runtime_warnings=True):  # it tells of resampling that is meant
         if method == "mallett2019":
             found = colour.recovery.RGB_to_sd_Mallett2019(triple)
         else:

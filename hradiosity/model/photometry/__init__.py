@@ -12,14 +12,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.constants import PLANCK_C2
+from hradiosity.constants import PLANCK_C1L, PLANCK_C2
 from hradiosity.model.spectrum import Spectrum
 
 ALPHA_OPIC_NAMES: Final = ("s-cone-opic", "m-cone-opic", "l-cone-opic", "rhodopic", "melanopic")
 """Columns of `alpha_opic`, in the order of CIE S 026."""
-
-RADIATION_C1L: Final = 1.191042972397188e-16
-"""First radiation constant for spectral radiance, 2hc², W m² sr⁻¹. CODATA 2018, exact."""
 
 
 @cache
@@ -173,5 +170,5 @@ def blackbody(temperature: float) -> Spectrum:
         raise ValueError(f"a black body's temperature lies between 500 and 100000 K here, not {temperature}")
     wavelength = np.arange(300.0, 1101.0)
     metres = wavelength * 1e-9
-    per_metre = RADIATION_C1L / metres**5 / np.expm1(PLANCK_C2 / (metres * temperature))
+    per_metre = PLANCK_C1L / metres**5 / np.expm1(PLANCK_C2 / (metres * temperature))
     return Spectrum(wavelength, per_metre * 1e-9)
