@@ -7,8 +7,8 @@ from numpy.typing import NDArray
 
 from hradiosity.model.meshing import Pieces, merge_triangles
 
-_FLAT: Final = 1e-12
-"""Twice the area of a corner triangle, relative to the squared size, below which the corner is straight."""
+_FLAT: Final = 1e-10
+"""Twice the area of a triangle relative to the squared size, or a distance relative to the size, that counts as 0."""
 
 
 def newell_normal(vertices: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -114,7 +114,7 @@ def _next_ear(flat: NDArray[np.float64]) -> int:
     for corner in convex[np.argsort(length[convex], kind="stable")]:
         a, b, c = before[corner], flat[corner], after[corner]
         inside = (_turn(a, b, flat) >= -_FLAT) & (_turn(b, c, flat) >= -_FLAT) & (_turn(c, a, flat) >= -_FLAT)
-        same_place = (flat == a).all(axis=1) | (flat == b).all(axis=1) | (flat == c).all(axis=1)
-        if not (inside & ~same_place).any():
+        distance = np.abs(flat[:, None] - np.stack([a, b, c])).max(axis=2).min(axis=1)
+        if not (inside & (distance > _FLAT)).any():
             return int(corner)
     raise ValueError("the polygon can't be cut into triangles: its edges touch or cross each other")
