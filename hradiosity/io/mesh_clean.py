@@ -31,8 +31,7 @@ def clean(mesh: RawMesh, file: str) -> RawMesh:
     """
     _check(mesh, file)
     distance = weld_distance(mesh.vertices[np.unique(mesh.triangles)])
-    used = len(np.unique(mesh.triangles))
-    vertices, triangles, face = _weld_with_meshlab(mesh, distance)
+    vertices, triangles, face, merged = _weld_with_meshlab(mesh, distance)
     flat = _heights(vertices[triangles]) <= distance
     no_area = len(mesh.triangles) - len(triangles) + int(flat.sum())
     triangles, face = triangles[~flat], face[~flat]
@@ -42,7 +41,7 @@ def clean(mesh: RawMesh, file: str) -> RawMesh:
     twice = _repeated(vertices, triangles, part, mesh)
     elsewhere = _on_other_parts(triangles[~twice], part[~twice])
     counts: list[tuple[int, Literal["warning", "info"], str]] = [
-        (used - len(vertices), "info", "vertices merged with one within 1e-7 of the size"),
+        (merged, "info", "vertices merged with one within 1e-7 of the size"),
         (no_area, "info", "faces without area left out"),
         (int(twice.sum()), "info", "faces that were there twice left out"),
         (elsewhere, "warning", "faces lie exactly on a face of another part: light meets only one of the two"),
@@ -72,21 +71,24 @@ def _check(mesh: RawMesh, file: str) -> None:
 
 def _weld_with_meshlab(
     mesh: RawMesh, distance: float
-) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
-    """Vertices, triangles, and the triangle of ``mesh`` that each one was (kept as scalar on the faces)."""
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64], int]:
+    """Vertices, triangles, which triangle of ``mesh`` each was (a scalar on the faces), number of merged vertices."""
     import pymeshlab
 
     number = np.arange(len(mesh.triangles), dtype=np.float64)
     meshes = pymeshlab.MeshSet(verbose=False)
     meshes.add_mesh(pymeshlab.Mesh(mesh.vertices, mesh.triangles.astype(np.int32), f_scalar_array=number))
+    meshes.meshing_remove_unreferenced_vertices()
+    before = meshes.current_mesh().vertex_number()
     if distance > 0.0:
         meshes.meshing_merge_close_vertices(threshold=pymeshlab.PureValue(distance))
+    merged = before - meshes.current_mesh().vertex_number()
     meshes.meshing_remove_null_faces()
     meshes.meshing_remove_unreferenced_vertices()
     result = meshes.current_mesh()
     vertices = np.array(result.vertex_matrix(), dtype=np.float64).reshape(-1, 3)
     triangles = np.array(result.face_matrix(), dtype=np.int64).reshape(-1, 3)
-    return vertices, triangles, np.array(result.face_scalar_array(), dtype=np.int64)
+    return vertices, triangles, np.array(result.face_scalar_array(), dtype=np.int64), merged
 
 
 def _heights(corners: NDArray[np.float64]) -> NDArray[np.float64]:
