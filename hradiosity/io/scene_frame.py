@@ -24,7 +24,7 @@ class Frame:
         """(…, 3) vectors whose length has no meaning, turned to z up."""
         array = np.asarray(values, dtype=np.float64)
         if self.up == "y":
-            array = np.stack([array[..., 0], -array[..., 2], array[..., 1]], axis=-1)
+            array = np.stack([array[..., 0], 0.0 - array[..., 2], array[..., 1]], axis=-1)
         return array
 
     def points(self, values: ArrayLike) -> NDArray[np.float64]:

@@ -25,8 +25,8 @@ _VISIBLE: Final = (360.0, 830.0)
 """Range in which V(λ) is tabulated [nm]."""
 _FINE: Final = 2.0
 """Width of the bands that count visible light outside the scene's bands [nm]."""
-_FARTHEST: Final = 5.0
-"""An end value holds for half a step of its table, but not farther than this [nm]."""
+_HELD: Final = (2.5, 5.0)
+"""An end value holds for half a step of its table, but for no less and no more than these [nm]."""
 
 
 @dataclass(frozen=True)
@@ -86,10 +86,13 @@ def _spectrum(form: LightSpectrum, location: Location, report: Report) -> Spectr
 
 
 def _with_half_steps(spectrum: Spectrum) -> Spectrum:
-    """The spectrum with its end values held for half a step: a value every 5 nm stands for 5 nm, the last ones too."""
+    """The spectrum with its end values held for half a step: a value every 5 nm stands for 5 nm, the last ones too.
+
+    At least 2.5 nm, so that a fine table from 380 to 780 nm fills the first and last of bands that are 5 nm wide.
+    """
     if len(spectrum.wavelength) == 0:
         return spectrum
-    step = np.minimum(0.5 * np.diff(spectrum.wavelength)[[0, -1]], _FARTHEST)
+    step = np.clip(0.5 * np.diff(spectrum.wavelength)[[0, -1]], *_HELD)
     step[0] = min(step[0], 0.5 * spectrum.wavelength[0])
     return Spectrum(
         np.concatenate([[spectrum.wavelength[0] - step[0]], spectrum.wavelength, [spectrum.wavelength[-1] + step[1]]]),

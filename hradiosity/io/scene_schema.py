@@ -22,7 +22,7 @@ class UniformBands(Table):
     """Bands of one width."""
 
     first: Positive = Field(default=380.0, description="centre of the first band [nm]")
-    last: Positive = Field(default=780.0, description="centre of the last band [nm], a whole number of steps from the first")
+    last: Positive = Field(default=780.0, description="centre of the last band [nm], whole steps from the first")
     step: Positive = Field(default=5.0, description="width and distance of the bands [nm]")
 
 
@@ -60,7 +60,9 @@ class HeaderTable(Table):
     """What holds for the whole file."""
 
     title: Name | None = Field(None, description="name of the scene in reports; the folder's name if left out")
-    unit: LengthUnit = Field(description="unit of all lengths in this file, m, cm, mm, in or ft; meshes state their own")
+    unit: LengthUnit = Field(
+        description="unit of all lengths in this file: m, cm, mm, in or ft (mesh files have their own)"
+    )
     up: UpAxis = Field("z", description="upward axis of all coordinates in this file: z or y")
     bands: BandsTable = Field(
         UniformBands(), description="wavelength bands that light is counted in; 380 to 780 nm in 5 nm if left out"
