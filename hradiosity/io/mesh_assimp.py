@@ -24,11 +24,14 @@ def read_with_assimp(path: Path) -> RawMesh:
     try:
         scene = assimp_py.import_file(str(path), assimp_py.Process_Triangulate)
     except (RuntimeError, ValueError) as error:
-        raise SceneError([Fault(str(path), "", f"can't be read ({error})", "export it again")]) from error
+        cause = str(error).removeprefix(f"Assimp error loading '{path}': ")
+        raise SceneError([Fault(str(path), "", f"can't be read ({cause})", "export it again")]) from error
     vertices: list[NDArray[np.float64]] = [np.empty((0, 3))]
     triangles: list[NDArray[np.int64]] = [np.empty((0, 3), dtype=np.int64)]
     count = 0
     for mesh in scene.meshes:
+        if mesh.vertices is None or mesh.indices is None:
+            continue
         corners = np.asarray(mesh.vertices, dtype=np.float64).reshape(-1, 3)
         vertices.append(corners)
         triangles.append(np.asarray(mesh.indices, dtype=np.int64).reshape(-1, 3) + count)

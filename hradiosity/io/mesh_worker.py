@@ -27,6 +27,10 @@ READERS: Final[dict[str, Callable[[Path], RawMesh]]] = {
     ".stl": read_with_assimp,
 }
 
+BASE_MEMORY: Final = 8 * 2**30
+"""Bytes of address space that reading may take beside ``MEMORY_PER_BYTE`` for each byte of the file."""
+MEMORY_PER_BYTE: Final = 200
+
 
 def load(path: Path) -> RawMesh:
     """Read and mend the file; its suffix must be one of ``READERS``.
@@ -43,8 +47,21 @@ def load(path: Path) -> RawMesh:
     return clean(mesh, str(path))
 
 
+def limit_memory(path: Path) -> None:
+    """Make a damaged count in a file header a refused allocation, not a machine without memory (POSIX only)."""
+    if sys.platform != "win32":
+        import resource
+
+        size = path.stat().st_size if path.is_file() else 0
+        wanted = BASE_MEMORY + MEMORY_PER_BYTE * size
+        _, hard = resource.getrlimit(resource.RLIMIT_AS)
+        soft = wanted if hard == resource.RLIM_INFINITY else min(wanted, hard)
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
+
+
 def main(source: str, target: str) -> None:
     """Write the mesh, or the faults, to ``target``."""
+    limit_memory(Path(source))
     try:
         mesh = load(Path(source))
     except SceneError as error:

@@ -315,6 +315,29 @@ def test_mutated_text_and_binary_give_a_mesh_or_a_fault(tmp_path_factory, data, 
         assert mesh.triangles.shape == (len(mesh.part), 3)
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize("content", [as_ply(QUAD, TWO).encode(), as_stl(QUAD, TWO)], ids=[".ply", ".stl"])
+def test_mutated_files_for_assimp_end_neither_us_nor_the_machine(tmp_path, content, request):
+    suffix = request.node.callspec.id
+    rng = np.random.default_rng(5)
+    for _ in range(25):
+        changed = bytearray(content)
+        for place in rng.integers(0, len(changed), 3):
+            changed[place] = rng.choice([rng.integers(256), ord("9"), 255])
+        changed = changed[: rng.integers(1, 2 * len(changed))]
+        try:
+            assert read_mesh(write(tmp_path, "mutated" + suffix, bytes(changed)), "m", "z").parts
+        except SceneError as error:
+            assert error.faults[0].file.endswith("mutated" + suffix)
+            assert "Traceback" not in str(error) and "TypeError" not in str(error)
+
+
+def test_absurd_count_in_a_header_is_a_fault(tmp_path):
+    content = as_ply(QUAD, TWO).replace("element vertex 4", "element vertex 4000000000")
+    with pytest.raises(SceneError, match=r"absurd\.ply"):
+        read_mesh(write(tmp_path, "absurd.ply", content), "m", "z")
+
+
 def test_crash_of_the_reader_is_a_fault(tmp_path, monkeypatch):
     """A worker that dies by a signal, as assimp has been seen to do on damaged files."""
     crash = [sys.executable, "-c", "import os, signal; os.kill(os.getpid(), signal.SIGSEGV)"]
