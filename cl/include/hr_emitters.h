@@ -1,0 +1,55 @@
+/* Emitting patches and point sources. */
+#ifndef HR_EMITTERS_H
+#define HR_EMITTERS_H
+
+#include "include/hr_form_factor.h"
+
+#define HR_EMITTER_PARAMS                                                                     \
+    __global const uint *emitter_patch,     /* (n_emitters,) HR_NONE: a point source       */ \
+    __global const float *emitter_position, /* (n_emitters, 3) [m], of a point source      */ \
+    __global const uint *emitter_two_sided  /* (n_emitters,) 1: shines from its back too   */
+#define HR_EMITTER emitter_patch, emitter_position, emitter_two_sided
+
+/* Unit normal of the side of an emitting patch that looks at x; the front if only that shines. */
+inline float3 hr_emitter_normal(const uint patch, const uint two_sided, const float3 x, HR_PATCH_PARAMS)
+{
+    const float3 m = hr_load3(patch_normal, patch);
+    const int behind = dot(m, x - hr_load3(patch_origin, patch)) < 0.0f;
+    return behind && two_sided ? -m : m;
+}
+
+/* Irradiance at the point x with unit normal n, without obstacles, for unit exitance of the emitter [1], or for unit
+   intensity of a point source [m^-2]. `patch` is HR_NONE for a point source. */
+inline float hr_emitter_factor(const float3 x, const float3 n, const uint emitter, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
+{
+    const uint patch = emitter_patch[emitter];
+    if (patch != HR_NONE)
+        return hr_point_to_patch(x, n, patch, hr_emitter_normal(patch, emitter_two_sided[emitter], x, HR_PATCH),
+                                 HR_PATCH);
+    const float3 d = hr_load3(emitter_position, emitter) - x;
+    const float r2 = fmax(dot(d, d), 1.0e-30f);
+    return fmax(dot(n, d), 0.0f) / (r2 * sqrt(r2));
+}
+
+/* Point (s, t) of the unit square on the emitter. */
+inline float3 hr_emitter_point(const uint emitter, const float s, const float t, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
+{
+    const uint patch = emitter_patch[emitter];
+    if (patch == HR_NONE)
+        return hr_load3(emitter_position, emitter);
+    const float2 uv = patch_kind[patch] ? hr_square_to_triangle(s, t) : (float2)(s, t);
+    return hr_patch_point(patch, uv.x, uv.y, HR_PATCH);
+}
+
+/* Weight of the ray from x to the point y of the emitter: cos cos / (pi r^2), and 1 above the horizon for a point
+   source, whose visibility one ray decides. */
+inline float hr_emitter_weight(const float3 x, const float3 n, const float3 y, const uint emitter, HR_EMITTER_PARAMS,
+                               HR_PATCH_PARAMS)
+{
+    const uint patch = emitter_patch[emitter];
+    if (patch == HR_NONE)
+        return dot(n, y - x) > 0.0f ? 1.0f : 0.0f;
+    return hr_point_kernel(n, y - x, hr_emitter_normal(patch, emitter_two_sided[emitter], x, HR_PATCH));
+}
+
+#endif

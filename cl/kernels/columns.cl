@@ -1,0 +1,72 @@
+/* Products with spectra: band-free transport times (rows, columns) arrays, eight columns at a time. */
+#include "include/hr_types.h"
+#include "include/hr_outcomes.h"
+
+/* product[r] = sum over the links of row r of value * columns[source]; one work-item a row and group of 8 columns. */
+__kernel void apply_links(__global const uint *link_start,  /* (n_rows + 1,)                   */
+                          __global const uint *link_source, /* (n_links,)                      */
+                          __global const float *link_value, /* (n_links,)                      */
+                          __global const float *columns,    /* (n_rows, 8 n_groups)            */
+                          __global float *product,          /* (n_rows, 8 n_groups)            */
+                          const uint n_items)
+{
+    const uint row = get_global_id(0);
+    if (row >= n_items)
+        return;
+    float8 sum[HR_GROUPS];
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        sum[g] = (float8)(0.0f);
+    const uint end = link_start[row + 1];
+    for (uint l = link_start[row]; l < end; ++l) {
+        const float value = link_value[l];
+        const size_t source = (size_t)link_source[l] * HR_GROUPS;
+        for (uint g = 0; g < HR_GROUPS; ++g)
+            sum[g] += value * vload8(source + g, columns);
+    }
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        vstore8(sum[g], (size_t)row * HR_GROUPS + g, product);
+}
+
+/* Reflected part of each reading: mean over its paths of rho(first hit) * (direct light there + rho E at the second
+   hit). The sky adds to the reading where the first ray leaves, and to the first hit where the second one does. */
+__kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_samples)                          */
+                        __global const uint *path_emitter,   /* (n_points, n_samples)                          */
+                        __global const float *path_gain,     /* (n_points, n_samples)                          */
+                        __global const uint *path_row,       /* (n_points, n_samples)                          */
+                        __global const float *reflectance,   /* (n_materials, 8 n_groups) [1]                  */
+                        __global const float *emission,      /* (n_emitters, 8 n_groups) [W m^-2] or [W sr^-1] */
+                        __global const float *reflected,     /* (n_rows, 8 n_groups) rho E [W m^-2]            */
+                        __global const float *sky,           /* (8 n_groups,) pi L [W m^-2]                    */
+                        __global float *irradiance,          /* (n_points, 8 n_groups) [W m^-2]                */
+                        const uint n_samples, const uint n_items)
+{
+    const uint point = get_global_id(0);
+    if (point >= n_items)
+        return;
+    float8 sum[HR_GROUPS];
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        sum[g] = (float8)(0.0f);
+    for (uint k = 0; k < n_samples; ++k) {
+        const size_t i = (size_t)point * n_samples + k;
+        const uint material = path_material[i];
+        const uint row = path_row[i];
+        if (material == HR_NONE) {
+            if (row == HR_SKY)
+                for (uint g = 0; g < HR_GROUPS; ++g)
+                    sum[g] += vload8(g, sky);
+            continue;
+        }
+        const float gain = path_gain[i];
+        const size_t lamp = (size_t)path_emitter[i] * HR_GROUPS;
+        for (uint g = 0; g < HR_GROUPS; ++g) {
+            float8 arriving = gain != 0.0f ? gain * vload8(lamp + g, emission) : (float8)(0.0f);
+            if (HR_IS_ROW(row))
+                arriving += vload8((size_t)row * HR_GROUPS + g, reflected);
+            else if (row == HR_SKY)
+                arriving += vload8(g, sky);
+            sum[g] += vload8((size_t)material * HR_GROUPS + g, reflectance) * arriving;
+        }
+    }
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        vstore8(sum[g] / (float)n_samples, (size_t)point * HR_GROUPS + g, irradiance);
+}

@@ -1,0 +1,51 @@
+"""What a user may choose about a run."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, kw_only=True)
+class Options:
+    """Settings of a run; None lets the plan decide.
+
+    element_size : edge of a row element [m]
+    rays_per_element : exchange rays from each row element, in each replicate
+    light_points : points on each row element from which a ray goes to each emitter, in each replicate
+    light_samples : shadow rays from a reading to each emitter, all replicates together
+    gather_samples : paths from a reading, all replicates together
+    replicates : independent runs whose spread gives the intervals, at least 2
+    accuracy : wanted half width of the 95 % interval over the value; more replicates are added until it is reached
+    time : wall seconds after which no further replicate starts
+    occlusion, interreflection : force an effect on or off
+    tolerance : of the linear solver, residual over right-hand side
+    seed : of all random numbers
+    """
+
+    element_size: float | None = None
+    rays_per_element: int = 64
+    light_points: int = 16
+    light_samples: int = 64
+    gather_samples: int = 1024
+    replicates: int = 4
+    accuracy: float | None = None
+    time: float | None = None
+    occlusion: bool | None = None
+    interreflection: bool | None = None
+    tolerance: float = 1e-4
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        if self.element_size is not None and not self.element_size > 0.0:
+            raise ValueError(f"element_size must be > 0 m, is {self.element_size}")
+        for name, lowest in (("rays_per_element", 16), ("light_points", 1), ("light_samples", 1), ("replicates", 2)):
+            if getattr(self, name) < lowest:
+                raise ValueError(f"{name} must be at least {lowest}, is {getattr(self, name)}")
+        if self.gather_samples < self.replicates:
+            raise ValueError(f"gather_samples must be at least the {self.replicates} replicates")
+        for name in ("accuracy", "time"):
+            value = getattr(self, name)
+            if value is not None and not value > 0.0:
+                raise ValueError(f"{name} must be > 0, is {value}")
+        if not 0.0 < self.tolerance < 1.0:
+            raise ValueError(f"tolerance must lie between 0 and 1, is {self.tolerance}")

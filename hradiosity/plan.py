@@ -1,0 +1,119 @@
+"""The plan of a run as a value: what is computed, what is not, and why."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+
+@dataclass(frozen=True)
+class Effect:
+    """One thing that a scene may or may not call for.
+
+    name : as in ``--effects name=on``
+    needed : whether it will be computed
+    because : the reason, in words
+    saved_seconds : estimate of what leaving it out saves; 0 when it is needed or nothing is known
+    """
+
+    name: str
+    needed: bool
+    because: str
+    saved_seconds: float = 0.0
+
+
+@dataclass(frozen=True)
+class SpectralColumns:
+    """The right-hand sides that are solved instead of all bands; the bands follow from them exactly.
+
+    Bands in which every material has equal reflectance form a class with one operator. Inside a class the light of
+    sources with one spectral shape is solved once and multiplied by that shape afterwards.
+
+    reflectance : (n_materials + 1, n_columns) float32; the last row is the black back of one-sided surfaces
+    emission : (n_luminaires, n_columns) float32, exitance or intensity in units of each column
+    sky : (n_columns,) float32, π · radiance of the sky in units of each column
+    expansion : (n_columns, n_bands) float64, bands = columns @ expansion
+    n_classes : number of classes of bands
+    """
+
+    reflectance: NDArray[np.float32]
+    emission: NDArray[np.float32]
+    sky: NDArray[np.float32]
+    expansion: NDArray[np.float64]
+    n_classes: int
+
+    @property
+    def n_columns(self) -> int:
+        """Number of right-hand sides."""
+        return int(self.expansion.shape[0])
+
+    @property
+    def n_groups(self) -> int:
+        """Groups of eight columns, the last one filled up with zeros."""
+        return max(1, -(-self.n_columns // 8))
+
+    def padded(self, columns: NDArray[np.floating]) -> NDArray[np.float32]:
+        """(n, n_columns) as float32 with zero columns up to eight times `n_groups`."""
+        out = np.zeros((*columns.shape[:-1], 8 * self.n_groups), np.float32)
+        out[..., : self.n_columns] = columns
+        return out
+
+    def to_bands(self, columns: NDArray[np.floating]) -> NDArray[np.float64]:
+        """(n, n_columns or more) values of the columns as values of the bands, (n, n_bands)."""
+        used = np.asarray(columns[..., : self.n_columns], np.float64)
+        bands: NDArray[np.float64] = np.einsum("...c,cb->...b", used, self.expansion)
+        return bands
+
+
+@dataclass(frozen=True)
+class Plan:
+    """What a run will do; prints itself.
+
+    effects : those that were weighed
+    columns : right-hand sides
+    n_bands, n_patches, n_emitters, n_readings : sizes of the scene
+    element_size : edge of a row element [m]
+    n_elements : estimated number of row elements
+    rays_per_element, light_points, light_samples, gather_samples, replicates : samples of each kind, per replicate
+    occlusion : whether shadow rays are traced
+    interreflection : whether reflected light is computed
+    memory_bytes : estimated peak of the device arrays
+    seconds : expected CPU seconds; None when the device was never measured
+    """
+
+    effects: tuple[Effect, ...]
+    columns: SpectralColumns
+    n_bands: int
+    n_patches: int
+    n_emitters: int
+    n_readings: int
+    element_size: float
+    n_elements: int
+    rays_per_element: int
+    light_points: int
+    light_samples: int
+    gather_samples: int
+    replicates: int
+    occlusion: bool
+    interreflection: bool
+    memory_bytes: int
+    seconds: float | None
+
+    def lines(self) -> list[str]:
+        """The plan in words, a line each."""
+        out = [
+            f"{effect.name}: {'computed' if effect.needed else 'left out'}, {effect.because}"
+            + (f" (saves about {effect.saved_seconds:.2g} s)" if effect.saved_seconds > 0 else "")
+            for effect in self.effects
+        ]
+        rays = self.replicates * (self.n_elements * self.rays_per_element + 2 * self.n_readings * self.gather_samples)
+        out += [
+            f"elements: about {self.n_elements} of {self.element_size:.3g} m on {self.n_patches} patches",
+            f"readings: {self.n_readings}, emitters: {self.n_emitters}",
+            f"rays: about {rays / 1e6:.2g} million and as many towards the lamps, in {self.replicates} replicates",
+            f"memory: about {self.memory_bytes / 2**20:.0f} MiB",
+        ]
+        out.append("time: not measured on this device yet" if self.seconds is None else f"time: about {self.seconds:.2g} CPU s")
+        return out

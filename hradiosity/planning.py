@@ -1,0 +1,160 @@
+"""What a scene calls for: effects, right-hand sides, sizes."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.model.scene import Scene
+from hradiosity.options import Options
+from hradiosity.plan import Effect, Plan, SpectralColumns
+from hradiosity.space.convexity import is_convex
+from hradiosity.space.lit_sides import LitSides
+
+ELEMENT_SHARE = 0.1
+"""Edge of a row element as a share of the mean free path of light."""
+
+
+def spectral_columns(scene: Scene) -> SpectralColumns:
+    """The fewest right-hand sides from which all bands follow exactly.
+
+    Bands in which every material that is used has the same reflectance form a class. In a class, sources whose spectra
+    are equal up to a factor need one right-hand side; if there are as many shapes as bands, the bands are solved as
+    they are.
+    """
+    used = np.unique(scene.patches.material) if len(scene.patches) else np.zeros(0, np.int32)
+    reflectance = scene.reflectance
+    n_bands = len(scene.bands)
+    sources = np.zeros((len(scene.luminaires) + 1, n_bands))
+    for i, lamp in enumerate(scene.luminaires):
+        sources[i] = lamp.exitance if len(lamp.exitance) else lamp.intensity
+    if scene.sky is not None:
+        sources[-1] = np.pi * scene.sky.radiance
+    _, band_class = np.unique(reflectance[used].T, axis=0, return_inverse=True)
+    parts = [
+        _columns_of_class(sources, np.flatnonzero(band_class.ravel() == k)) for k in range(int(band_class.max()) + 1)
+    ]
+    first_band = np.concatenate([np.full(len(p[0]), p[2], np.int64) for p in parts])
+    emission = np.concatenate([p[1] for p in parts], axis=1)
+    column_reflectance = np.zeros((len(scene.materials) + 1, emission.shape[1]))
+    column_reflectance[:-1] = reflectance[:, first_band]
+    return SpectralColumns(
+        reflectance=column_reflectance.astype(np.float32),
+        emission=emission[:-1].astype(np.float32),
+        sky=emission[-1].astype(np.float32),
+        expansion=np.concatenate([p[0] for p in parts]),
+        n_classes=len(parts),
+    )
+
+
+def _columns_of_class(
+    sources: NDArray[np.float64], bands: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.float64], int]:
+    """Expansion (n_columns, n_bands), emission (n_sources, n_columns) and a band of one class."""
+    inside = sources[:, bands]
+    peak = inside.max(axis=1)
+    shining = np.flatnonzero(peak > 0.0)
+    shapes = inside[shining] / peak[shining, None]
+    _, first, shape_of = np.unique(np.round(shapes, 12), axis=0, return_index=True, return_inverse=True)
+    if len(first) < len(bands):
+        expansion = np.zeros((len(first), sources.shape[1]))
+        expansion[:, bands] = shapes[first]
+        emission = np.zeros((len(sources), len(first)))
+        emission[shining, shape_of.ravel()] = peak[shining]
+        top = np.maximum(emission.max(axis=0, initial=0.0), np.finfo(float).tiny)
+        return expansion * top[:, None], emission / top, int(bands[0])
+    top = np.maximum(inside.max(axis=0), np.finfo(float).tiny)
+    expansion = np.zeros((len(bands), sources.shape[1]))
+    expansion[np.arange(len(bands)), bands] = top
+    return expansion, inside / top, int(bands[0])
+
+
+def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
+    """Weigh each effect against the scene, and choose sizes that the options leave open.
+
+    Parameters
+    ----------
+    scene : Scene
+    options : Options
+    lit : LitSides
+    """
+    columns = spectral_columns(scene)
+    occlusion = _occlusion(scene, options)
+    interreflection = _interreflection(scene, options)
+    size = options.element_size or lit.free_path * ELEMENT_SHARE
+    area = float(scene.patches.area @ lit.lit.sum(axis=1)) if len(scene.patches) else 0.0
+    n_elements = int(area / size**2) + int(lit.lit.sum())
+    n_readings = sum(len(s.position) for s in scene.sensors)
+    replicates = options.replicates
+    return Plan(
+        effects=(
+            occlusion,
+            interreflection,
+            _openness(lit),
+            _backs(scene, lit),
+            _bands(scene, columns),
+        ),
+        columns=columns,
+        n_bands=len(scene.bands),
+        n_patches=len(scene.patches),
+        n_emitters=len(scene.emitters),
+        n_readings=n_readings,
+        element_size=size,
+        n_elements=n_elements,
+        rays_per_element=options.rays_per_element,
+        light_points=options.light_points,
+        light_samples=-(-options.light_samples // replicates),
+        gather_samples=-(-options.gather_samples // replicates),
+        replicates=replicates,
+        occlusion=occlusion.needed,
+        interreflection=interreflection.needed,
+        memory_bytes=_memory(n_elements, options, columns, n_readings, len(scene.emitters)),
+        seconds=None,
+    )
+
+
+def _occlusion(scene: Scene, options: Options) -> Effect:
+    if options.occlusion is not None:
+        return Effect("occlusion", options.occlusion, "as asked for")
+    if is_convex(scene.patches):
+        return Effect("occlusion", False, "the scene is convex: nothing can stand between two points")
+    return Effect("occlusion", True, "surfaces can stand between two points")
+
+
+def _interreflection(scene: Scene, options: Options) -> Effect:
+    if options.interreflection is not None:
+        return Effect("interreflection", options.interreflection, "as asked for")
+    used = np.unique(scene.patches.material)
+    if len(used) == 0 or float(scene.reflectance[used].max(initial=0.0)) == 0.0:
+        return Effect("interreflection", False, "nothing reflects")
+    return Effect("interreflection", True, "surfaces reflect")
+
+
+def _openness(lit: LitSides) -> Effect:
+    n_open = int(lit.open.sum())
+    if n_open == 0:
+        return Effect("outside", False, f"all {len(lit.open)} lit spaces are closed")
+    return Effect("outside", True, f"rays leave {n_open} of {len(lit.open)} lit spaces")
+
+
+def _backs(scene: Scene, lit: LitSides) -> Effect:
+    n_backs = int(lit.lit[:, 1].sum())
+    if n_backs == 0:
+        return Effect("back sides", False, "light reaches front sides only")
+    return Effect("back sides", True, f"light reaches the backs of {n_backs} of {len(scene.patches)} patches")
+
+
+def _bands(scene: Scene, columns: SpectralColumns) -> Effect:
+    n = len(scene.bands)
+    if columns.n_columns < n:
+        reason = f"{n} bands follow exactly from {columns.n_columns} right-hand sides in {columns.n_classes} classes"
+        return Effect("every band", False, reason)
+    return Effect("every band", True, f"all {n} bands differ in reflectance or light")
+
+
+def _memory(n_elements: int, options: Options, columns: SpectralColumns, n_readings: int, n_emitters: int) -> int:
+    """Bytes of the arrays that grow: hits, links, columns of the solver, paths."""
+    per_element = 8 * options.rays_per_element + 24 * options.rays_per_element + 4 * n_emitters * 3
+    state = 8 * 32 * columns.n_groups * 4
+    paths = 16 * n_readings * options.gather_samples // options.replicates
+    return n_elements * (per_element + state) + paths

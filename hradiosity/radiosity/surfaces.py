@@ -1,0 +1,195 @@
+"""Light on the surfaces: one replicate of the exchange between row elements and its solution."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.device import Device
+from hradiosity.model.scene import Scene
+from hradiosity.options import Options
+from hradiosity.plan import Plan
+from hradiosity.readings.interval import RunningMoments
+from hradiosity.readings.sensors import SurfaceLight, emitter_choice
+from hradiosity.solution import Surfaces
+from hradiosity.solve.krylov import DEFLATE_ABOVE, Convergence, deflation_vectors, solve_irradiance
+from hradiosity.solve.operator import ExchangeOperator
+from hradiosity.space.bvh import Bvh
+from hradiosity.space.hierarchy import Elements, build_elements
+from hradiosity.space.lit_sides import LitSides, find_lit_sides
+from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
+from hradiosity.transport.direct import direct_on_rows
+from hradiosity.transport.exchange import Defects, Exchange, RowHits, build_exchange, trace_rows
+
+RETRIES = 4
+"""Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
+
+
+@dataclass
+class Record:
+    """What happened, for ``run.json``.
+
+    seconds : wall seconds of each stage
+    rays : traced so far
+    defects, convergence : one a replicate
+    """
+
+    seconds: dict[str, float] = field(default_factory=dict)
+    rays: int = 0
+    defects: list[Defects] = field(default_factory=list)
+    convergence: list[Convergence] = field(default_factory=list)
+
+    @contextmanager
+    def timed(self, stage: str) -> Iterator[None]:
+        """Add the wall seconds of a block to a stage."""
+        start = time.perf_counter()
+        try:
+            yield
+        finally:
+            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
+
+
+class SurfaceSolver:
+    """Estimates the light on all row elements, afresh for each seed.
+
+    Parameters
+    ----------
+    device : Device
+    scene : Scene
+    bvh : Bvh
+    lit : LitSides
+    plan : Plan
+    options : Options
+    record : Record
+        Filled while running.
+    """
+
+    def __init__(
+        self, device: Device, scene: Scene, bvh: Bvh, lit: LitSides, plan: Plan, options: Options, record: Record
+    ) -> None:
+        self.device, self.scene, self.plan, self.options, self.record = device, scene, plan, options, record
+        self._bvh = bvh
+        self.on_device: DeviceScene = upload_scene(device, scene, bvh, occlusion=plan.occlusion)
+        columns = plan.columns
+        self.emission = columns.padded(columns.emission[scene.emitters.luminaire])
+        self._reflectance = columns.padded(columns.reflectance)
+        self._reflectance_on_device = device.upload(self._reflectance)
+        self._emission_on_device = device.upload(self.emission)
+        self._sky = columns.padded(columns.sky)
+        self._sky_on_device = device.upload(self._sky)
+        self._cut(lit)
+
+    def _cut(self, lit: LitSides) -> None:
+        """Cut the lit sides into row elements; forget what was known about others."""
+        two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
+        self.elements: Elements = build_elements(self.scene.patches, lit.lit, two_sided, self.plan.element_size)
+        self.on_device_elements = upload_elements(self.device, self.elements)
+        n_rows = len(self.elements)
+        first = self.elements.row_cell[self.elements.row_start[:-1]]
+        self.space: NDArray[np.int32] = lit.space.ravel()[self.elements.cell_side[first]]
+        self._links = np.zeros((0, 2), np.int64)
+        shape = (n_rows, 8 * self.plan.columns.n_groups)
+        self._indirect = RunningMoments(shape)
+        self._direct = RunningMoments(shape)
+        self._exposed = RunningMoments((n_rows,))
+        self._deflation: NDArray[np.float64] | None = None
+
+    def replicate(self, seed: int) -> SurfaceLight:
+        """One independent estimate, as paths look it up."""
+        with self.record.timed("exchange rays"):
+            hits = self._trace(seed)
+        n_emitters = len(self.scene.emitters)
+        with self.record.timed("direct light"):
+            per_emitter = direct_on_rows(
+                self.on_device, self.on_device_elements, hits, self.plan.light_points, seed
+            )
+            self.record.rays += len(self.elements) * n_emitters * self.plan.light_points
+        with self.record.timed("exchange"):
+            exchange = build_exchange(hits, self.elements)
+            self.record.defects.append(exchange.defects)
+        direct = self._direct_columns(per_emitter, exchange)
+        reflectance = self._reflectance[self.elements.row_material]
+        with self.record.timed("solution"):
+            irradiance = self._solve(exchange, reflectance, direct)
+        return SurfaceLight(
+            columns=self.plan.columns,
+            reflectance=self._reflectance_on_device,
+            emission=self.emission,
+            emission_on_device=self._emission_on_device,
+            reflected=self.device.upload(reflectance * irradiance),
+            sky=self._sky_on_device,
+            emitter_choice=self.device.upload(emitter_choice(per_emitter, self.emission)),
+        )
+
+    def surfaces(self) -> Surfaces:
+        """Mean over the replicates so far."""
+        to_bands = self.plan.columns.to_bands
+        return Surfaces(
+            irradiance=to_bands(self._indirect.mean + self._direct.mean),
+            direct=to_bands(self._direct.mean),
+            space=self.space,
+            exposed=self._exposed.mean,
+        )
+
+    def _trace(self, seed: int) -> RowHits:
+        """Exchange rays; sides that only now turn out to be lit join, and the rays start again."""
+        for attempt in range(RETRIES + 1):
+            hits = trace_rows(self.on_device, self.on_device_elements, self.plan.rays_per_element, seed)
+            self.record.rays += hits.row.size
+            links = hits.unlit_links(self.elements)
+            if not len(links) or attempt == RETRIES:
+                break
+            self._links = np.concatenate([self._links, links])
+            links_so_far = self._links
+            self._cut(find_lit_sides(self.scene, self._bvh, seed=self.options.seed, known_links=links_so_far))
+            self._links = links_so_far
+        return hits
+
+    def _direct_columns(self, per_emitter: NDArray[np.float32], exchange: Exchange) -> NDArray[np.float32]:
+        """(n_rows, 8 n_groups) direct irradiance from emitters and sky."""
+        direct: NDArray[np.float32] = np.einsum("re,ec->rc", per_emitter, self.emission)
+        if self.scene.sky is not None:
+            area = exchange.element_area
+            share = np.divide(exchange.sky, area, out=np.zeros_like(area), where=area > 0.0)
+            direct += share.astype(np.float32)[:, None] * self._sky
+        return direct
+
+    def _solve(
+        self, exchange: Exchange, reflectance: NDArray[np.float32], direct: NDArray[np.float32]
+    ) -> NDArray[np.float32]:
+        """Irradiance of the row elements; keeps the running means."""
+        if self.plan.interreflection:
+            operator = ExchangeOperator(self.device, exchange, self.plan.columns.n_groups)
+            mean_reflectance = np.einsum("r,rc->c", exchange.element_area, reflectance) / exchange.element_area.sum()
+            if self._deflation is None:
+                bright = float(mean_reflectance.max(initial=0.0)) > DEFLATE_ABOVE
+                self._deflation = (
+                    deflation_vectors(operator, self.space) if bright else np.zeros((len(self.elements), 0))
+                )
+            irradiance, convergence = solve_irradiance(
+                operator,
+                reflectance,
+                direct,
+                tolerance=self.options.tolerance,
+                start=self._indirect.mean.astype(np.float32) if self._indirect.count else None,
+                deflation=self._deflation,
+            )
+            self.record.convergence.append(convergence)
+        else:
+            irradiance = direct
+        self._indirect.add(irradiance - direct)
+        self._direct.add(direct)
+        self._exposed.add(
+            np.divide(
+                exchange.element_area,
+                self.elements.area,
+                out=np.zeros_like(exchange.element_area),
+                where=self.elements.area > 0.0,
+            )
+        )
+        return irradiance

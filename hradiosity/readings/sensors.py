@@ -1,0 +1,194 @@
+"""Light at single points: direct light there, and two-step paths that look the solution up at their second hit."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.device.device import DeviceArray
+from hradiosity.plan import SpectralColumns
+from hradiosity.space.hierarchy import COVERED, UNLIT
+from hradiosity.transport.device_scene import DeviceElements, DeviceScene
+from hradiosity.transport.direct import direct_at_points
+
+UNIFORM_SHARE = 0.1
+"""Part of the probability with which an emitter is drawn at a hit that does not depend on the solution."""
+BATCH_PATHS = 1 << 22
+"""Paths kept on the device at a time."""
+
+
+@dataclass(frozen=True)
+class PathSamples:
+    """What the paths of a batch of readings met; band-free, so another lamp or paint needs no new ray.
+
+    material, emitter, row : (n_points, n_samples) uint32 on the device: material at the first hit, emitter drawn
+        there, row element (or an outcome) at the second hit
+    gain : (n_points, n_samples) float32 on the device: irradiance at the first hit for unit emission of that emitter,
+        over the probability that it was drawn
+    """
+
+    material: DeviceArray
+    emitter: DeviceArray
+    gain: DeviceArray
+    row: DeviceArray
+    n_points: int
+    n_samples: int
+
+
+@dataclass(frozen=True)
+class SurfaceLight:
+    """The solution as paths look it up.
+
+    reflectance : (n_materials + 1, 8 n_groups) float32 on the device
+    emission : (n_emitters, 8 n_groups) float32, exitance or intensity of each emitter; and the same on the device
+    reflected : (n_rows, 8 n_groups) float32 on the device, ρE of each row element
+    sky : (8 n_groups,) float32 on the device, π · radiance
+    emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
+    """
+
+    columns: SpectralColumns
+    reflectance: DeviceArray
+    emission: NDArray[np.float32]
+    emission_on_device: DeviceArray
+    reflected: DeviceArray
+    sky: DeviceArray
+    emitter_choice: DeviceArray
+
+
+def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Summed probabilities of drawing each emitter at a hit, in proportion to the light it sends to that element.
+
+    Parameters
+    ----------
+    direct : (n_rows, n_emitters) float32
+        Irradiance of each element for unit emission.
+    emission : (n_emitters, n_columns) float32
+
+    Returns
+    -------
+    (n_rows, n_emitters) float32
+        Ascending; a tenth of the probability is shared evenly, so that no emitter is ever left out, and the last
+        entry is above 1.
+    """
+    n = direct.shape[1]
+    if n == 0:
+        return np.zeros((len(direct), 0), np.float32)
+    light = direct * emission.mean(axis=1, dtype=np.float64)[None, :]
+    total = light.sum(axis=1, keepdims=True)
+    share = np.divide(light, total, out=np.full(light.shape, 1.0 / n), where=total > 0.0)
+    sums = np.cumsum((1.0 - UNIFORM_SHARE) * share + UNIFORM_SHARE / n, axis=1).astype(np.float32)
+    sums[:, -1] = 1.0
+    return sums
+
+
+def trace_paths(
+    scene: DeviceScene,
+    elements: DeviceElements,
+    choice: DeviceArray,
+    position: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    n_samples: int,
+    seed: int,
+) -> PathSamples:
+    """Trace `n_samples` two-step paths from each point (world frame [m], unit normals)."""
+    device, n_points = scene.device, len(position)
+    shape = (n_points, n_samples)
+    material, emitter, row = (device.empty(shape, np.uint32) for _ in range(3))
+    gain = device.empty(shape, np.float32)
+    device.kernel("paths", "trace_paths")(
+        n_points * n_samples,
+        **scene.geometry,
+        **elements.cells,
+        **scene.emitters,
+        position=device.upload(scene.bvh.to_local(position)),
+        normal=device.upload(normal, np.float32),
+        patch_solid=scene.solid,
+        side_material=elements.side_material,
+        emitter_choice=choice,
+        path_material=material,
+        path_emitter=emitter,
+        path_gain=gain,
+        path_row=row,
+        first_point=0,
+        n_samples=n_samples,
+        n_emitters=scene.n_emitters,
+        occlusion=int(scene.occlusion),
+        seed=seed,
+        scale=scene.scale,
+    )
+    return PathSamples(material, emitter, gain, row, n_points, n_samples)
+
+
+def reflected_light(scene: DeviceScene, paths: PathSamples, light: SurfaceLight) -> NDArray[np.float32]:
+    """Irradiance that the paths bring, (n_points, 8 n_groups) float32; sky seen directly included."""
+    device = scene.device
+    groups = light.columns.n_groups
+    irradiance = device.empty((paths.n_points, 8 * groups), np.float32)
+    device.kernel("columns", "sum_paths", HR_GROUPS=groups)(
+        paths.n_points,
+        path_material=paths.material,
+        path_emitter=paths.emitter,
+        path_gain=paths.gain,
+        path_row=paths.row,
+        reflectance=light.reflectance,
+        emission=light.emission_on_device,
+        reflected=light.reflected,
+        sky=light.sky,
+        irradiance=irradiance,
+        n_samples=paths.n_samples,
+    )
+    fetched: NDArray[np.float32] = device.fetch(irradiance)
+    return fetched
+
+
+@dataclass(frozen=True)
+class ReadingSamples:
+    """Readings of one replicate.
+
+    irradiance : (n_points, n_columns) float64, in the units of each column
+    enclosed : (n_points,) float64, share of paths that began inside a solid
+    """
+
+    irradiance: NDArray[np.float64]
+    enclosed: NDArray[np.float64]
+
+
+def read_points(
+    scene: DeviceScene,
+    elements: DeviceElements,
+    light: SurfaceLight,
+    position: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    *,
+    light_samples: int,
+    gather_samples: int,
+    seed: int,
+) -> ReadingSamples:
+    """Irradiance at points: E = D + ⟨ρ(y₁) (D(y₁) + ρ(y₂) E(y₂))⟩ over cosine-distributed first directions.
+
+    Parameters
+    ----------
+    position, normal : (n, 3) float64
+        World frame [m], unit normals.
+    light_samples : int
+        Shadow rays to each emitter.
+    gather_samples : int
+        Paths; 0 leaves reflected light out.
+    """
+    n = len(position)
+    direct = direct_at_points(scene, position, normal, light_samples, seed)
+    irradiance = np.einsum("xe,ec->xc", direct.astype(np.float64), light.emission[:, : light.columns.n_columns])
+    enclosed = np.zeros(n)
+    batch = max(1, BATCH_PATHS // max(gather_samples, 1))
+    for first in range(0, n if gather_samples else 0, batch):
+        part = slice(first, min(first + batch, n))
+        paths = trace_paths(
+            scene, elements, light.emitter_choice, position[part], normal[part], gather_samples, seed + first + 1
+        )
+        irradiance[part] += reflected_light(scene, paths, light)[:, : light.columns.n_columns]
+        first_hit = scene.device.fetch(paths.material)
+        row = scene.device.fetch(paths.row)
+        enclosed[part] = ((first_hit == 0xFFFFFFFF) & ((row == COVERED) | (row == UNLIT))).mean(axis=1)
+    return ReadingSamples(irradiance, enclosed)

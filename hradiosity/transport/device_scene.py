@@ -1,0 +1,94 @@
+"""The scene's geometry and elements as the tracing kernels take them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from hradiosity.device import Device
+from hradiosity.device.device import DeviceArray
+from hradiosity.model.scene import Scene
+from hradiosity.space.bvh import Bvh
+from hradiosity.space.hierarchy import NONE, Elements
+
+
+@dataclass(frozen=True)
+class DeviceScene:
+    """Device arrays by the names of the kernels' arguments, band-free.
+
+    geometry : ray structure and patches
+    emitters : patch, position and sides of each emitter
+    solid : (n_patches,) uint32, 1 where matter lies behind the patch
+    n_emitters : number of emitters
+    scale : size of the scene, for ray offsets [m]
+    occlusion : False when nothing can stand between any two points
+    """
+
+    device: Device
+    bvh: Bvh
+    geometry: dict[str, DeviceArray]
+    emitters: dict[str, DeviceArray]
+    solid: DeviceArray
+    n_emitters: int
+    occlusion: bool
+
+    @property
+    def scale(self) -> float:
+        """Largest half extent of the scene [m]: ray offsets are relative to it."""
+        return self.bvh.scale
+
+
+@dataclass(frozen=True)
+class DeviceElements:
+    """Row elements on the device.
+
+    cells : arrays by the names of the kernels' arguments
+    side_material : (n_patches, 2) uint32
+    """
+
+    elements: Elements
+    cells: dict[str, DeviceArray]
+    side_material: DeviceArray
+
+
+_NOTHING: Final = np.zeros((1, 3), np.float32)
+
+
+def upload_scene(device: Device, scene: Scene, bvh: Bvh, *, occlusion: bool) -> DeviceScene:
+    """Put what does not depend on the elements on the device; coordinates relative to the local origin."""
+    lamps = scene.emitters
+    two_sided = np.array([lamp.two_sided for lamp in scene.luminaires], bool)
+    position = (lamps.position - bvh.local_origin).astype(np.float32) if len(lamps) else _NOTHING
+    return DeviceScene(
+        device=device,
+        bvh=bvh,
+        geometry=bvh.kernel_arguments() | bvh.patch_arguments(),
+        emitters={
+            "emitter_patch": device.upload(np.where(lamps.patch < 0, NONE, lamps.patch), np.uint32),
+            "emitter_position": device.upload(position),
+            "emitter_two_sided": device.upload(two_sided[lamps.luminaire], np.uint32),
+        },
+        solid=device.upload(scene.patches.solid >= 0, np.uint32),
+        n_emitters=len(lamps),
+        occlusion=occlusion,
+    )
+
+
+def upload_elements(device: Device, elements: Elements) -> DeviceElements:
+    """Put the row elements on the device."""
+    return DeviceElements(
+        elements=elements,
+        cells={
+            "cell_divisions": device.upload(elements.divisions),
+            "side_first_cell": device.upload(elements.first_cell),
+            "cell_row": device.upload(elements.cell_row),
+            "cell_side": device.upload(elements.cell_side),
+            "row_start": device.upload(elements.row_start),
+            "row_cell": device.upload(elements.row_cell),
+            "row_share": device.upload(elements.row_share),
+        },
+        side_material=device.upload(elements.side_material),
+    )
+

@@ -1,0 +1,88 @@
+"""Direct light from the emitters, without wavelengths: G[place, emitter]."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.transport.device_scene import DeviceElements, DeviceScene
+from hradiosity.transport.exchange import RowHits
+
+
+def direct_on_rows(
+    scene: DeviceScene, elements: DeviceElements, hits: RowHits, n_points: int, seed: int
+) -> NDArray[np.float32]:
+    """Mean irradiance of each row element's exposed part for unit emission of each emitter.
+
+    Parameters
+    ----------
+    hits : RowHits
+        Of the same seed: its rays tell which points are covered by solids.
+    n_points : int
+        Points on each element; at each, one ray goes to each emitter.
+
+    Returns
+    -------
+    (n_rows, n_emitters) float32
+        Per unit exitance [1]; per unit intensity of a point source [m⁻²].
+    """
+    n_rows = len(elements.elements)
+    if scene.n_emitters == 0 or n_rows == 0:
+        return np.zeros((n_rows, scene.n_emitters), np.float32)
+    direct = scene.device.empty((n_rows, scene.n_emitters), np.float32)
+    scene.device.kernel("direct", "direct_rows")(
+        n_rows * scene.n_emitters,
+        **scene.geometry,
+        **elements.cells,
+        **scene.emitters,
+        hit_row=hits.on_device,
+        direct=direct,
+        n_samples=hits.row.shape[1],
+        n_points=n_points,
+        n_emitters=scene.n_emitters,
+        occlusion=int(scene.occlusion),
+        seed=seed,
+        scale=scene.scale,
+    )
+    fetched: NDArray[np.float32] = scene.device.fetch(direct)
+    return fetched
+
+
+def direct_at_points(
+    scene: DeviceScene, position: NDArray[np.float64], normal: NDArray[np.float64], n_samples: int, seed: int
+) -> NDArray[np.float32]:
+    """Irradiance at single points for unit emission of each emitter.
+
+    Parameters
+    ----------
+    position : (n, 3) float64
+        World frame [m].
+    normal : (n, 3) float64
+        Unit normals.
+    n_samples : int
+        Shadow rays to each area emitter; their weighted open share multiplies the closed-form factor.
+
+    Returns
+    -------
+    (n, n_emitters) float32
+    """
+    device = scene.device
+    if scene.n_emitters == 0 or not len(position):
+        return np.zeros((len(position), scene.n_emitters), np.float32)
+    direct = device.empty((len(position), scene.n_emitters), np.float32)
+    device.kernel("direct", "direct_points")(
+        len(position) * scene.n_emitters,
+        **scene.geometry,
+        **scene.emitters,
+        position=device.upload(position - scene.bvh.local_origin, np.float32),
+        normal=device.upload(normal, np.float32),
+        direct=direct,
+        first_point=0,
+        n_samples=n_samples,
+        n_emitters=scene.n_emitters,
+        occlusion=int(scene.occlusion),
+        seed=seed,
+        scale=scene.scale,
+    )
+    fetched: NDArray[np.float32] = device.fetch(direct)
+    return fetched

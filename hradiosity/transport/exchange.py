@@ -1,0 +1,195 @@
+"""Exchange areas between row elements, sampled by rays: pooled, closed and reciprocal."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from hradiosity.device.device import DeviceArray
+from hradiosity.space.hierarchy import COVERED, MISS, SKY, UNLIT, Elements
+from hradiosity.transport.device_scene import DeviceElements, DeviceScene
+
+CLOSURE_TOLERANCE = 1e-6
+CLOSURE_STEPS = 200
+
+
+@dataclass(frozen=True)
+class RowHits:
+    """What the rays of each row element met.
+
+    row : (n_rows, n_samples) uint32, row element or an outcome (MISS, SKY, COVERED, UNLIT)
+    side : (n_rows, n_samples) uint32, 2 · patch + side that was hit; 0xFFFFFFFF for none
+    on_device : `row`, still on the device
+    """
+
+    row: NDArray[np.uint32]
+    side: NDArray[np.uint32]
+    on_device: DeviceArray
+
+    def unlit_links(self, elements: Elements) -> NDArray[np.int64]:
+        """(n, 2) pairs of sides: one that a ray left, and one that it met though no light was thought to reach it."""
+        row, sample = np.nonzero(self.row == UNLIT)
+        origin = elements.cell_side[elements.row_cell[elements.row_start[row]]]
+        pairs = np.column_stack([origin, self.side[row, sample]]).astype(np.int64)
+        return np.unique(pairs, axis=0)
+
+
+@dataclass(frozen=True)
+class Defects:
+    """What was wrong with the sampled exchange before reciprocity and closure were enforced.
+
+    row_sum_rms, row_sum_max : of |Σ_j F_ij + F_i,outside − 1|, weighted by area for the rms
+    reciprocity_rms : of |A_i F_ij − A_j F_ji| over the pairs that rays from both sides found, relative to their mean
+    scale_rms, scale_max : of |d − 1|, d the factors that closed the rows
+    closure_residual : largest |row sum − 1| left after scaling
+    closure_steps : scaling steps taken
+    lost_share : share of rays that ended where no light was thought to come
+    """
+
+    row_sum_rms: float
+    row_sum_max: float
+    reciprocity_rms: float
+    scale_rms: float
+    scale_max: float
+    closure_residual: float
+    closure_steps: int
+    lost_share: float
+
+
+@dataclass(frozen=True)
+class Exchange:
+    """Symmetric exchange areas K[i, j] = A_i F_ij = A_j F_ji, rows closed: Σ_j K_ij + outside_i = A_i.
+
+    start, source, area : CSR by receiver; (n_rows + 1,) uint32, (n_links,) uint32, (n_links,) float64 [m²]
+    outside : (n_rows,) float64 [m²], exchange area with what lies outside the scene
+    sky : (n_rows,) float64 [m²], the part of it above the horizon
+    element_area : (n_rows,) float64 [m²], of the exposed part of each element
+    """
+
+    start: NDArray[np.uint32]
+    source: NDArray[np.uint32]
+    area: NDArray[np.float64]
+    outside: NDArray[np.float64]
+    sky: NDArray[np.float64]
+    element_area: NDArray[np.float64]
+    defects: Defects
+
+
+def trace_rows(scene: DeviceScene, elements: DeviceElements, n_samples: int, seed: int) -> RowHits:
+    """Send `n_samples` rays from each row element, spread evenly over it, with density cos θ / π."""
+    device, n_rows = scene.device, len(elements.elements)
+    row = device.empty((n_rows, n_samples), np.uint32)
+    side = device.empty((n_rows, n_samples), np.uint32)
+    device.kernel("exchange", "trace_rows")(
+        n_rows * n_samples,
+        **scene.geometry,
+        **elements.cells,
+        patch_solid=scene.solid,
+        hit_row=row,
+        hit_side=side,
+        first_row=0,
+        n_samples=n_samples,
+        seed=seed,
+        scale=scene.scale,
+    )
+    return RowHits(device.fetch(row), device.fetch(side), row)
+
+
+def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
+    """Pool the hits of both directions, then scale rows and columns alike until every row closes.
+
+    With N_ij hits among the M rays of row i, the pooled estimate is K_ij = (N_ij + N_ji) / (M/A_i + M/A_j): each
+    direction counts by the rays it had per area. Averaging A_i F_ij and A_j F_ji instead would let one hit from a
+    large element outweigh all that a small one found itself.
+    """
+    n_rows, n_samples = hits.row.shape
+    found = csr_array(
+        (
+            np.ones(int((hits.row < UNLIT).sum())),
+            hits.row[hits.row < UNLIT].astype(np.int32),
+            np.concatenate([[0], np.cumsum((hits.row < UNLIT).sum(axis=1))]).astype(np.int32),
+        ),
+        shape=(n_rows, n_rows),
+    )
+    found.sum_duplicates()
+    back = csr_array(found.T)
+    rays_per_area = n_samples / elements.area
+    pooled = csr_array(found + back)
+    pooled.sort_indices()
+    receiver = np.repeat(np.arange(n_rows), np.diff(pooled.indptr))
+    pooled.data /= rays_per_area[receiver] + rays_per_area[pooled.indices]
+    exposed = n_samples - (hits.row == COVERED).sum(axis=1)
+    element_area = elements.area * exposed / n_samples
+    sky = elements.area * (hits.row == SKY).sum(axis=1) / n_samples
+    outside = sky + elements.area * (hits.row == MISS).sum(axis=1) / n_samples
+    scale, residual, steps = _close(pooled, outside, element_area)
+    defects = Defects(
+        **_row_sum_defects(pooled, outside, element_area),
+        reciprocity_rms=_reciprocity_defect(found, back, rays_per_area),
+        scale_rms=_weighted_rms(scale - 1.0, element_area),
+        scale_max=float(np.abs(scale - 1.0)[element_area > 0].max(initial=0.0)),
+        closure_residual=residual,
+        closure_steps=steps,
+        lost_share=float((hits.row == UNLIT).mean()) if hits.row.size else 0.0,
+    )
+    return Exchange(
+        start=pooled.indptr.astype(np.uint32),
+        source=pooled.indices.astype(np.uint32),
+        area=pooled.data * scale[receiver] * scale[pooled.indices],
+        outside=outside * scale,
+        sky=sky * scale,
+        element_area=element_area,
+        defects=defects,
+    )
+
+
+def _close(
+    pooled: csr_array, outside: NDArray[np.float64], area: NDArray[np.float64]
+) -> tuple[NDArray[np.float64], float, int]:
+    """Factors d with d_i (Σ_j K_ij d_j + s_i) = A_i, by the damped symmetric scaling d ← √(d A / (K d + s)).
+
+    The outside keeps the factor 1. Knight & Ruiz 2013 discuss the scaling of symmetric matrices.
+    """
+    scale = np.ones(len(area))
+    counts = area > 0.0
+    residual = 0.0
+    for step in range(CLOSURE_STEPS + 1):
+        received = pooled @ scale + outside
+        usable = counts & (received > 0.0)
+        residual = float(np.abs(scale[usable] * received[usable] / area[usable] - 1.0).max(initial=0.0))
+        if residual < CLOSURE_TOLERANCE or step == CLOSURE_STEPS:
+            return scale, residual, step
+        scale[usable] = np.sqrt(scale[usable] * area[usable] / received[usable])
+    return scale, residual, CLOSURE_STEPS
+
+
+def _row_sum_defects(
+    pooled: csr_array, outside: NDArray[np.float64], area: NDArray[np.float64]
+) -> dict[str, float]:
+    counts = area > 0.0
+    defect = (np.asarray(pooled.sum(axis=1)).ravel() + outside)[counts] / area[counts] - 1.0
+    return {
+        "row_sum_rms": _weighted_rms(defect, area[counts]),
+        "row_sum_max": float(np.abs(defect).max(initial=0.0)),
+    }
+
+
+def _reciprocity_defect(found: csr_array, back: csr_array, rays_per_area: NDArray[np.float64]) -> float:
+    """Rms relative difference of the two directions' estimates, over pairs with five hits or more each way."""
+    receiver = np.repeat(np.arange(found.shape[0]), np.diff(found.indptr))
+    pairs = found.multiply(back > 4).tocoo()
+    if not len(receiver) or not pairs.nnz:
+        return 0.0
+    there = pairs.data / rays_per_area[pairs.row]
+    keep = pairs.data > 4
+    other = csr_array(back)[pairs.row[keep], pairs.col[keep]] / rays_per_area[pairs.col[keep]]
+    mean = 0.5 * (there[keep] + other)
+    return float(np.sqrt(np.mean(((there[keep] - other) / mean) ** 2))) if keep.any() else 0.0
+
+
+def _weighted_rms(values: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
+    total = float(weight.sum())
+    return float(np.sqrt((weight * values**2).sum() / total)) if total > 0.0 else 0.0
