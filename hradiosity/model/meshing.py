@@ -5,7 +5,7 @@ from typing import Final, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.model.welding import connected, weld
+from hradiosity.model.welding import connected, weld, weld_distance
 
 PARALLELOGRAM_TOLERANCE: Final = 1e-6
 """How far the fourth corner may be from its place, relative to the longest edge."""
@@ -118,7 +118,8 @@ def _assemble(corners: NDArray[np.float64], joined: _Neighbours, surface: NDArra
 
 def _neighbours(corners: NDArray[np.float64]) -> _Neighbours:
     """All pairs of consistently wound triangles with a common edge; corners: (m, 3, 3)."""
-    number = weld(corners.reshape(-1, 3)).reshape(-1, 3)
+    points = corners.reshape(-1, 3)
+    number = weld(points, weld_distance(points)).reshape(-1, 3)
     start, end = number.ravel(), np.roll(number, -1, axis=1).ravel()
     low, high = np.minimum(start, end), np.maximum(start, end)
     key = low * (int(number.max(initial=0)) + 1) + high
@@ -130,10 +131,14 @@ def _neighbours(corners: NDArray[np.float64]) -> _Neighbours:
         here.append(a[opposite])
         there.append(b[opposite])
     a, b = np.concatenate(here), np.concatenate(there)
-    flat = corners.reshape(-1, 3)
-    following = np.roll(np.arange(len(flat)).reshape(-1, 3), -1, axis=1).ravel()
+    following = np.roll(np.arange(len(points)).reshape(-1, 3), -1, axis=1).ravel()
     return _Neighbours(
-        a // 3, b // 3, flat[following[following[a]]], flat[following[following[b]]], flat[a], flat[following[a]]
+        a // 3,
+        b // 3,
+        points[following[following[a]]],
+        points[following[following[b]]],
+        points[a],
+        points[following[a]],
     )
 
 

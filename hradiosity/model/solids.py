@@ -6,8 +6,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.geometry import NONE
-from hradiosity.model.welding import connected, weld, weld_distance
+from hradiosity.model.welding import connected, weld
 
+SHELL_TOLERANCE: Final = 2e-6
+"""Corners closer than this, relative to the diagonal of their object's bounding box, are one vertex of a shell: twice
+what the fourth corner of a parallelogram made from two triangles may be off (``meshing.PARALLELOGRAM_TOLERANCE``)."""
 _ANGLE_STEPS: Final = 1_000_000
 """Angles around an edge are compared in steps of 2π over this."""
 
@@ -27,7 +30,7 @@ class _HalfEdges(NamedTuple):
     """Edges of patches, each with the patch it bounds, sorted by edge.
 
     patch : (k,) int64
-    group : (k,) int64, equal where both ends and the object are equal
+    group : (k,) int64, equal where both ends are equal
     forward : (k,) bool, the patch runs along the edge from its lower to its higher vertex
     """
 
@@ -39,12 +42,12 @@ class _HalfEdges(NamedTuple):
 def find_solids(corners: NDArray[np.float64], is_triangle: NDArray[np.bool_], objects: NDArray[np.integer]) -> Shells:
     """Find closed shells, object by object.
 
-    Corners within 1e-7 of the diagonal of everything's bounding box are one vertex (``WELD_TOLERANCE``). A shell is
+    Corners within 2e-6 of the diagonal of the object's bounding box are one vertex (``SHELL_TOLERANCE``). A shell is
     a set of patches of one object, connected over edges, in which each patch has exactly one neighbour, wound
     consistently, at each edge. Where more than two patches of one object meet at an edge (two boxes that touch), they
     are paired around the edge so that each pair encloses a wedge of matter; boxes that share a face or an edge are
     thus separate solids. A flap or a T-junction leaves its whole shell open. A shell whose mean thickness is below
-    the welding tolerance, such as a sheet modelled twice, is neither solid nor inward.
+    that tolerance, such as a sheet modelled twice, is neither solid nor inward.
 
     Parameters
     ----------
@@ -58,8 +61,9 @@ def find_solids(corners: NDArray[np.float64], is_triangle: NDArray[np.bool_], ob
     nowhere = np.full(n, NONE, dtype=np.int32)
     if n == 0:
         return Shells(nowhere, nowhere.copy())
-    flat = corners.reshape(-1, 3)
-    edges, here = _half_edges(weld(flat).reshape(n, 4), objects)
+    owner = np.unique(objects, return_inverse=True)[1]
+    vertex, tolerance = _vertices(corners, owner)
+    edges, here = _half_edges(vertex)
     order = _around_edges(edges, corners, here)
     edges = _HalfEdges(edges.patch[order], edges.group[order], edges.forward[order])
     opening, closing, paired = _pair_up(edges)
@@ -68,19 +72,29 @@ def find_solids(corners: NDArray[np.float64], is_triangle: NDArray[np.bool_], ob
     is_open[shell[edges.patch[~paired]]] = True
     volume, area = _volumes(corners, is_triangle, shell)
     thickness = np.where(is_open, 0.0, volume / area)
-    bound = weld_distance(flat)
+    bound = tolerance[owner[np.unique(shell, return_index=True)[1]]]
     return Shells(_numbered(shell, thickness > bound), _numbered(shell, thickness < -bound))
 
 
-def _half_edges(vertex: NDArray[np.int64], objects: NDArray[np.integer]) -> tuple[_HalfEdges, NDArray[np.int64]]:
+def _vertices(corners: NDArray[np.float64], owner: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """(n, 4) vertex numbers, different in different objects, and the welding distance [m] of each object."""
+    low = np.full((int(owner.max()) + 1, 3), np.inf)
+    high = np.full_like(low, -np.inf)
+    np.minimum.at(low, owner, corners.min(axis=1))
+    np.maximum.at(high, owner, corners.max(axis=1))
+    size = np.linalg.norm(high - low, axis=1)
+    scaled = (corners - low[owner, None]) / np.where(size > 0.0, size, 1.0)[owner, None, None]
+    scaled[:, :, 0] += 2.0 * owner[:, None]
+    return weld(scaled.reshape(-1, 3), SHELL_TOLERANCE).reshape(-1, 4), SHELL_TOLERANCE * size
+
+
+def _half_edges(vertex: NDArray[np.int64]) -> tuple[_HalfEdges, NDArray[np.int64]]:
     """Half-edges sorted by edge, and the number 4 · patch + side of each; edges without length are left out."""
     start, end = vertex.ravel(), np.roll(vertex, -1, axis=1).ravel()
     side = np.flatnonzero(start != end)
     start, end = start[side], end[side]
     n = int(vertex.max()) + 1
-    line = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)[1]
-    owner = np.unique(objects, return_inverse=True)[1][side // 4]
-    group = np.unique(owner.astype(np.int64) * (int(line.max(initial=0)) + 1) + line, return_inverse=True)[1]
+    group = np.unique(np.minimum(start, end) * n + np.maximum(start, end), return_inverse=True)[1]
     order = np.argsort(group, kind="stable")
     return _HalfEdges((side // 4)[order], group[order], (start < end)[order]), side[order]
 

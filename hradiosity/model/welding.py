@@ -16,8 +16,8 @@ def weld_distance(points: NDArray[np.float64], tolerance: float = WELD_TOLERANCE
     return tolerance * float(np.linalg.norm(np.ptp(points, axis=0)))
 
 
-def weld(points: NDArray[np.float64], tolerance: float = WELD_TOLERANCE) -> NDArray[np.int64]:
-    """Number points so that those within ``tolerance`` times the bounding box diagonal share a number.
+def weld(points: NDArray[np.float64], distance: float) -> NDArray[np.int64]:
+    """Number points so that those within ``distance`` of each other share a number.
 
     Points are first rounded to cells of that size, then cells whose representatives lie within it are joined, so
     that two points on both sides of a cell boundary are still one. Joining is transitive.
@@ -26,6 +26,8 @@ def weld(points: NDArray[np.float64], tolerance: float = WELD_TOLERANCE) -> NDAr
     ----------
     points : (n, 3) float64
         Finite coordinates in any unit.
+    distance : float
+        In the unit of the points; at least 1e-15 of their extent, or 0 when all are one point.
 
     Returns
     -------
@@ -34,7 +36,6 @@ def weld(points: NDArray[np.float64], tolerance: float = WELD_TOLERANCE) -> NDAr
     """
     from scipy.spatial import cKDTree
 
-    distance = weld_distance(points, tolerance)
     if distance == 0.0:
         return np.zeros(len(points), dtype=np.int64)
     cell = np.round((points - points.min(axis=0)) / distance).astype(np.int64)

@@ -90,11 +90,15 @@ def test_merging_does_not_depend_on_shared_vertices():
     assert not pieces.is_triangle.any()
 
 
-def test_single_precision_coordinates_still_merge():
-    rng = np.random.default_rng(2)
+@pytest.mark.parametrize("seed", range(10))
+def test_single_precision_boxes_still_merge_and_stay_solid(seed):
+    rng = np.random.default_rng(seed)
     vertices = Rotation.random(rng=rng).apply(BOX_VERTICES * [4.0, 3.0, 0.05]) + np.array([1.0, 2.0, 3.0])
     vertices = vertices.astype(np.float32).astype(float)
-    assert not merge_triangles(vertices, box_triangles(rng)).is_triangle.any()
+    pieces = merge_triangles(vertices, box_triangles(rng))
+    assert not pieces.is_triangle.any()
+    patches = as_patches(pieces)
+    assert (find_solids(patches.corners(), patches.is_triangle, patches.object).solid == 0).all()
 
 
 @pytest.mark.parametrize("far_corner", [[1.0, 1.001, 0.0], [1.0, 1.0, 0.001]])
@@ -131,7 +135,7 @@ def test_triangles_without_area_are_left_out_and_nothing_is_fine():
 
 def test_points_across_a_cell_boundary_are_welded():
     points = np.array([[0.0, 0, 0], [1.0, 0, 0], [0.5, 0, 0], [0.5 + 4e-8, 0, 0], [0.5 + 1e-6, 0, 0]])
-    number = weld(points)
+    number = weld(points, 1e-7)
     assert number[2] == number[3] and len(np.unique(number)) == 4
 
 
