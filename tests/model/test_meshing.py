@@ -93,7 +93,7 @@ def test_merging_does_not_depend_on_shared_vertices():
 @pytest.mark.parametrize("seed", range(10))
 def test_single_precision_boxes_still_merge_and_stay_solid(seed):
     rng = np.random.default_rng(seed)
-    vertices = Rotation.random(rng=rng).apply(BOX_VERTICES * [4.0, 3.0, 0.05]) + np.array([1.0, 2.0, 3.0])
+    vertices = Rotation.random(rng=rng).apply(BOX_VERTICES * [4.0, 3.0, 0.05]) + np.array([11.0, 12.0, 13.0])
     vertices = vertices.astype(np.float32).astype(float)
     pieces = merge_triangles(vertices, box_triangles(rng))
     assert not pieces.is_triangle.any()
