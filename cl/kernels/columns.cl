@@ -27,11 +27,11 @@ __kernel void apply_links(__global const uint *link_start,  /* (n_rows + 1,)    
         vstore8(sum[g], (size_t)row * HR_GROUPS + g, product);
 }
 
-/* Reflected part of each reading: mean over its paths of rho(first hit) * (direct light there + rho E at the second
-   hit). The sky adds to the reading where the first ray leaves, and to the first hit where the second one does. */
-__kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_samples)                          */
-                        __global const uint *path_emitter,   /* (n_points, n_samples)                          */
-                        __global const float *path_gain,     /* (n_points, n_samples)                          */
+/* Reflected part of each reading: mean over its paths of rho1 (D1 + rho E at the second hit), or, where the second
+   hit was lit explicitly, of rho1 (D1 + rho2 (D2 + rho E at the third)). The sky shines where a path leaves. */
+__kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_samples, 2)                       */
+                        __global const uint *path_emitter,   /* (n_points, n_samples, 2)                       */
+                        __global const float *path_gain,     /* (n_points, n_samples, 2)                       */
                         __global const uint *path_row,       /* (n_points, n_samples)                          */
                         __global const float *reflectance,   /* (n_materials, 8 n_groups) [1]                  */
                         __global const float *emission,      /* (n_emitters, 8 n_groups) [W m^-2] or [W sr^-1] */
@@ -48,23 +48,25 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
         sum[g] = (float8)(0.0f);
     for (uint k = 0; k < n_samples; ++k) {
         const size_t i = (size_t)point * n_samples + k;
-        const uint material = path_material[i];
         const uint row = path_row[i];
-        if (material == HR_NONE) {
-            if (row == HR_SKY)
-                for (uint g = 0; g < HR_GROUPS; ++g)
-                    sum[g] += vload8(g, sky);
-            continue;
-        }
-        const float gain = path_gain[i];
-        const size_t lamp = (size_t)path_emitter[i] * HR_GROUPS;
+        const uint2 material = vload2(i, path_material);
+        const int lit = material.x != HR_NONE;
+        const int lit_again = material.y != HR_NONE;
+        const uint2 emitter = lit ? vload2(i, path_emitter) : (uint2)(0);
+        const float2 gain = lit ? vload2(i, path_gain) : (float2)(0.0f);
+        __global const float *last = HR_IS_ROW(row) ? reflected + (size_t)row * HR_GROUPS * 8 : sky;
+        const float shines = HR_IS_ROW(row) || row == HR_SKY ? 1.0f : 0.0f;
         for (uint g = 0; g < HR_GROUPS; ++g) {
-            float8 arriving = gain != 0.0f ? gain * vload8(lamp + g, emission) : (float8)(0.0f);
-            if (HR_IS_ROW(row))
-                arriving += vload8((size_t)row * HR_GROUPS + g, reflected);
-            else if (row == HR_SKY)
-                arriving += vload8(g, sky);
-            sum[g] += vload8((size_t)material * HR_GROUPS + g, reflectance) * arriving;
+            float8 arriving = shines * vload8(g, last);
+            if (lit_again) {
+                arriving += gain.y * vload8((size_t)emitter.y * HR_GROUPS + g, emission);
+                arriving *= vload8((size_t)material.y * HR_GROUPS + g, reflectance);
+            }
+            if (lit) {
+                arriving += gain.x * vload8((size_t)emitter.x * HR_GROUPS + g, emission);
+                arriving *= vload8((size_t)material.x * HR_GROUPS + g, reflectance);
+            }
+            sum[g] += arriving;
         }
     }
     for (uint g = 0; g < HR_GROUPS; ++g)

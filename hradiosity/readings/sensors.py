@@ -1,4 +1,4 @@
-"""Light at single points: direct light there, and two-step paths that look the solution up at their second hit."""
+"""Light at single points: direct light there, and short paths that look the solution up where they end."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hradiosity.device.device import DeviceArray
 from hradiosity.plan import SpectralColumns
-from hradiosity.space.hierarchy import COVERED, UNLIT
+from hradiosity.space.hierarchy import COVERED, NONE, UNLIT
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 
@@ -17,16 +17,19 @@ UNIFORM_SHARE = 0.1
 """Part of the probability with which an emitter is drawn at a hit that does not depend on the solution."""
 BATCH_PATHS = 1 << 22
 """Paths kept on the device at a time."""
+NEAR_FACTOR = 1.0
+"""A second hit nearer than this many element sizes is lit explicitly, and the solution looked up one hit later."""
 
 
 @dataclass(frozen=True)
 class PathSamples:
     """What the paths of a batch of readings met; band-free, so another lamp or paint needs no new ray.
 
-    material, emitter, row : (n_points, n_samples) uint32 on the device: material at the first hit, emitter drawn
-        there, row element (or an outcome) at the second hit
-    gain : (n_points, n_samples) float32 on the device: irradiance at the first hit for unit emission of that emitter,
+    material, emitter : (n_points, n_samples, 2) uint32 on the device: material at each hit that is lit explicitly
+        (0xFFFFFFFF for none), emitter drawn there
+    gain : (n_points, n_samples, 2) float32 on the device: irradiance at that hit for unit emission of that emitter,
         over the probability that it was drawn
+    row : (n_points, n_samples) uint32 on the device: row element, or an outcome, where the path ends
     """
 
     material: DeviceArray
@@ -92,11 +95,11 @@ def trace_paths(
     n_samples: int,
     seed: int,
 ) -> PathSamples:
-    """Trace `n_samples` two-step paths from each point (world frame [m], unit normals)."""
+    """Trace `n_samples` paths from each point (world frame [m], unit normals)."""
     device, n_points = scene.device, len(position)
-    shape = (n_points, n_samples)
-    material, emitter, row = (device.empty(shape, np.uint32) for _ in range(3))
-    gain = device.empty(shape, np.float32)
+    material, emitter = (device.empty((n_points, n_samples, 2), np.uint32) for _ in range(2))
+    gain = device.empty((n_points, n_samples, 2), np.float32)
+    row = device.empty((n_points, n_samples), np.uint32)
     device.kernel("paths", "trace_paths")(
         n_points * n_samples,
         **scene.geometry,
@@ -106,15 +109,16 @@ def trace_paths(
         normal=device.upload(normal, np.float32),
         patch_solid=scene.solid,
         side_material=elements.side_material,
+        row_size=elements.row_size,
         emitter_choice=choice,
         path_material=material,
         path_emitter=emitter,
         path_gain=gain,
         path_row=row,
-        first_point=0,
         n_samples=n_samples,
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
+        near_factor=NEAR_FACTOR,
         seed=seed,
         scale=scene.scale,
     )
@@ -188,7 +192,9 @@ def read_points(
             scene, elements, light.emitter_choice, position[part], normal[part], gather_samples, seed + first + 1
         )
         irradiance[part] += reflected_light(scene, paths, light)[:, : light.columns.n_columns]
-        first_hit = scene.device.fetch(paths.material)
         row = scene.device.fetch(paths.row)
-        enclosed[part] = ((first_hit == 0xFFFFFFFF) & ((row == COVERED) | (row == UNLIT))).mean(axis=1)
+        lost = (row == COVERED) | (row == UNLIT)
+        if lost.any():
+            first_hit = scene.device.fetch(paths.material)[:, :, 0]
+            enclosed[part] = ((first_hit == NONE) & lost).mean(axis=1)
     return ReadingSamples(irradiance, enclosed)

@@ -46,11 +46,13 @@ class DeviceElements:
 
     cells : arrays by the names of the kernels' arguments
     side_material : (n_patches, 2) uint32
+    row_size : (n_rows,) float32, square root of each element's area [m]
     """
 
     elements: Elements
     cells: dict[str, DeviceArray]
     side_material: DeviceArray
+    row_size: DeviceArray
 
 
 _NOTHING: Final = np.zeros((1, 3), np.float32)
@@ -90,5 +92,6 @@ def upload_elements(device: Device, elements: Elements) -> DeviceElements:
             "row_share": device.upload(elements.row_share),
         },
         side_material=device.upload(elements.side_material),
+        row_size=device.upload(np.sqrt(elements.area), np.float32),
     )
 
