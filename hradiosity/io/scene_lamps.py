@@ -39,7 +39,7 @@ class _Use:
 
     lamp : index of the luminaire's table
     patches : (n,) patch numbers; empty for a point source
-    area : emitting area, one side [m²]; 0 for a point source
+    area : emitting area, one side [m²], above 0 since faces without area are gone; 0 for a point source
     position : (3,) of a point source
     """
 
@@ -79,7 +79,7 @@ def read_lamps(
             continue
         number = next((i for i, (other, _) in enumerate(kinds) if _is_same_light(use, other, lamp)), len(kinds))
         if number == len(kinds):
-            kinds.append((use, _luminaire(lamp, use, surfaces, report)))
+            kinds.append((use, _luminaire(lamp, use, report)))
         is_point = len(use.patches) == 0
         patch.append(np.array([NONE]) if is_point else use.patches)
         position.append(use.position[None] if is_point else surfaces.patches.centroid[use.patches])
@@ -132,7 +132,7 @@ def _is_same_light(use: _Use, other: _Use, lamp: _Lamp) -> bool:
     return exactly_one(lamp.table, *AMOUNTS) not in _FLUXES or abs(use.area - other.area) <= _SAME_AREA * use.area
 
 
-def _luminaire(lamp: _Lamp, use: _Use, surfaces: Surfaces, report: Report) -> Luminaire:
+def _luminaire(lamp: _Lamp, use: _Use, report: Report) -> Luminaire:
     """The light of one use; faults in its amount go to the report."""
     location: Location = ("luminaires", lamp.name)
     nothing = np.zeros(0)
@@ -156,9 +156,6 @@ def _luminaire(lamp: _Lamp, use: _Use, surfaces: Surfaces, report: Report) -> Lu
     if key == "absolute":
         return Luminaire(lamp.name, lamp.shape.power, nothing, sides == 2)
     if key in _FLUXES:
-        if use.area <= 0.0:
-            report.fault((*location, key), f"object {use.name!r} has no emitting area", "faces with an area")
-            return Luminaire(lamp.name, lamp.shape.power, nothing, sides == 2)
         unit = "lm" if is_luminous else "W"
         report.inform((*location, key), f"{amount:g} {unit} from {sides * use.area:.4g} m² of object {use.name!r}")
         amount /= sides * use.area

@@ -173,13 +173,13 @@ def _cell_fault(name: str, row: _Row, n_columns: int, index: int) -> Fault | Non
     if len(row.cells) != n_columns:
         hint = "; is the comma a decimal sign? write 0.5, not 0,5" if len(row.cells) > n_columns else ""
         return Fault(name, place, f"{len(row.cells)} columns", f"{n_columns}, as in the lines above{hint}")
-    for cell in (row.cells[0], row.cells[index]):
+    for where, cell in (("", row.cells[0]), (f" at {row.cells[0]} nm", row.cells[index])):
         if _DECIMAL_COMMA.fullmatch(cell):
             return Fault(name, place, f"{cell!r} has a decimal comma", f"a decimal point: {cell.replace(',', '.')}")
         if not _is_number(cell):
             return Fault(name, place, f"{cell!r}" if cell else "an empty cell", "a number")
         if not np.isfinite(float(cell)):
-            return Fault(name, place, f"{cell!r}", "a finite number")
+            return Fault(name, place, f"{cell!r}{where}", "a finite number")
     return None
 
 

@@ -59,7 +59,7 @@ def test_a_column_is_chosen_by_its_name(write):
         ("400\n500\n", "line 1: only one column"),
         ("400,0.1\n390,0.2\n", "line 2: wavelength 390 after 400"),
         ("400,0.1\n400,0.2\n", "line 2: wavelength 400 twice"),
-        ("400,0.1\n500,nan\n", "line 2: 'nan'; a finite number"),
+        ("400,0.1\n500,nan\n", "line 2: 'nan' at 500 nm; a finite number"),
         ("nm,rho\n400,0.1\n500,abc\n", "line 3: 'abc'; a number"),
         ("400,0.1\n500,\n600,0.2\n", "line 2: 1 columns"),
         ("400,,0.1\n500,0.2,0.3\n", "3 columns"),
