@@ -1,5 +1,6 @@
 """Boxes: blocks of matter and rooms."""
 
+from collections.abc import Sequence
 from typing import Final, get_args
 
 import numpy as np
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 from hradiosity.io.scene_frame import Frame, rotation
 from hradiosity.io.scene_lines import Location
 from hradiosity.io.scene_names import Names
-from hradiosity.io.scene_pieces import Piece
+from hradiosity.io.scene_pieces import Piece, select
 from hradiosity.io.scene_report import Report
 from hradiosity.io.schema_surfaces import BoxFace, BoxFaces, BoxTable
 from hradiosity.model.geometry import NONE, Patches
@@ -30,34 +31,60 @@ _UNIT_CUBE: Final = np.array(
 )
 
 
-def box_piece(box: BoxTable, name: str, location: Location, frame: Frame, names: Names, report: Report) -> Piece:
-    """The faces of a box as patches; faults in its names go to the report."""
-    used = np.array([face not in _single_faces(box.omit) for face in FACES])
-    if not used.any():
+def boxes_piece(boxes: Sequence[BoxTable], frame: Frame, names: Names, report: Report) -> Piece:
+    """The faces of all boxes as patches, box by box in the order of FACES; faults in names go to the report."""
+    n = len(boxes)
+    material, luminaire = np.zeros((n, 6), dtype=np.int32), np.full((n, 6), NONE, dtype=np.int32)
+    used = np.ones((n, 6), dtype=bool)
+    for i, box in enumerate(boxes):
+        location: Location = ("box", i)
+        _check(box, location, names, report)
+        omitted = _single_faces(box.omit)
+        used[i] = [face not in omitted for face in FACES]
+        materials = dict.fromkeys(FACES, box.material) | _by_face(box.faces)
+        luminaires = dict.fromkeys(FACES, box.luminaire) | _by_face(box.luminaires)
+        material[i] = [names.material_index(materials[face]) for face in FACES]
+        luminaire[i] = [names.luminaire_index(luminaires[face]) for face in FACES]
+    origin, edge_u, edge_v = _corners_and_edges(boxes, frame, report)
+    is_room = np.array([box.inside for box in boxes], dtype=bool)
+    flip = is_room[:, None, None]
+    edge_u, edge_v = np.where(flip, edge_v, edge_u), np.where(flip, edge_u, edge_v)
+    is_solid = used.all(axis=1) & ~is_room
+    patches = Patches(
+        origin.reshape(-1, 3),
+        edge_u.reshape(-1, 3),
+        edge_v.reshape(-1, 3),
+        np.zeros(6 * n, dtype=bool),
+        material.ravel(),
+        np.repeat(np.arange(n, dtype=np.int32), 6),
+        np.arange(6 * n, dtype=np.int32),
+        np.repeat(np.where(is_solid, np.arange(n), NONE).astype(np.int32), 6),
+    )
+    kept = used.ravel()
+    return Piece(
+        tuple(box.name or f"box-{i + 1}" for i, box in enumerate(boxes)),
+        tuple(("box", i) for i in range(n)),
+        select(patches, kept),
+        luminaire.ravel()[kept],
+        np.tile(np.array(FACES), n)[kept],
+    )
+
+
+def _check(box: BoxTable, location: Location, names: Names, report: Report) -> None:
+    """Report unknown names, faces without material and boxes without faces."""
+    omitted = _single_faces(box.omit)
+    if len(omitted) == len(FACES):
         report.fault((*location, "omit"), "every face is left out", "a box with at least one face")
-    luminaires = dict.fromkeys(FACES, box.luminaire) | _by_face(box.luminaires)
-    materials = dict.fromkeys(FACES, box.material) | _by_face(box.faces)
-    bare = [face for face, is_used in zip(FACES, used, strict=True) if is_used and materials[face] is None]
+    own = _by_face(box.faces)
+    bare = [face for face in FACES if face not in omitted and face not in own and box.material is None]
     if bare:
         report.fault(location, f"no material for {', '.join(bare)}", "`material`, or an entry of `faces`")
-    _report_unknown_names(box, location, names, report)
-    origin, edge_u, edge_v = _corners_and_edges(box, location, frame, report)
-    if box.inside:
-        edge_u, edge_v = edge_v, edge_u
-    n = len(FACES)
-    is_solid = not box.inside and bool(used.all())
-    patches = Patches(
-        origin,
-        edge_u,
-        edge_v,
-        np.zeros(n, dtype=bool),
-        np.array([names.material_index(materials[face]) for face in FACES], dtype=np.int32),
-        np.zeros(n, dtype=np.int32),
-        np.arange(n, dtype=np.int32),
-        np.full(n, 0 if is_solid else NONE, dtype=np.int32),
-    )
-    luminaire = np.array([names.luminaire_index(luminaires[face]) for face in FACES], dtype=np.int32)
-    return Piece(location, (name,), patches, luminaire, np.array(FACES)).keep(used)
+    names.check_material(box.material, (*location, "material"), report)
+    names.check_luminaire(box.luminaire, (*location, "luminaire"), report)
+    for face, material in box.faces.items():
+        names.check_material(material, (*location, "faces", face), report)
+    for face, luminaire in box.luminaires.items():
+        names.check_luminaire(luminaire, (*location, "luminaires", face), report)
 
 
 def _single_faces(faces: list[BoxFaces]) -> set[str]:
@@ -75,33 +102,30 @@ def _by_face(entries: dict[BoxFaces, str]) -> dict[BoxFace, str | None]:
     return spread
 
 
-def _report_unknown_names(box: BoxTable, location: Location, names: Names, report: Report) -> None:
-    names.check_material(box.material, (*location, "material"), report)
-    names.check_luminaire(box.luminaire, (*location, "luminaire"), report)
-    for face, material in box.faces.items():
-        names.check_material(material, (*location, "faces", face), report)
-    for face, luminaire in box.luminaires.items():
-        names.check_luminaire(luminaire, (*location, "luminaires", face), report)
-
-
 def _corners_and_edges(
-    box: BoxTable, location: Location, frame: Frame, report: Report
+    boxes: Sequence[BoxTable], frame: Frame, report: Report
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
-    """(6, 3) corner, edge_u and edge_v of the faces [m], normals outwards."""
-    size = np.abs(frame.points(box.size))
-    if box.corner is not None:
-        pivot = frame.points(box.corner)
-        # Turning y up reverses an axis, so the lowest corner of the file need not be the lowest one here.
-        lowest = np.minimum(pivot, pivot + frame.points(box.size))
-    else:
-        pivot = frame.points(box.centre or (0.0, 0.0, 0.0))
-        lowest = pivot - 0.5 * size
-    axis = np.array([0.0, 0.0, 1.0])
-    if box.rotation_axis is not None:
-        axis = frame.directions(box.rotation_axis)
-        if not axis.any():
-            report.fault((*location, "rotation_axis"), "[0, 0, 0] has no direction", "a vector with a length")
-            axis = np.array([0.0, 0.0, 1.0])
-    turn = np.eye(3) if box.rotation_deg == 0.0 else rotation(axis, box.rotation_deg)
-    origin = (lowest + _UNIT_CUBE[:, 0] * size - pivot) @ turn.T + pivot
-    return origin, (_UNIT_CUBE[:, 1] * size) @ turn.T, (_UNIT_CUBE[:, 2] * size) @ turn.T
+    """(n, 6, 3) corner, edge_u and edge_v of the faces [m], normals outwards."""
+    extent = frame.points(np.array([box.size for box in boxes]).reshape(-1, 3))
+    pivot = frame.points(np.array([box.corner or box.centre for box in boxes]).reshape(-1, 3))
+    is_corner = np.array([box.corner is not None for box in boxes], dtype=bool)[:, None]
+    size = np.abs(extent)
+    # Turning y up reverses an axis, so the lowest corner of the file need not be the lowest one here.
+    lowest = np.where(is_corner, np.minimum(pivot, pivot + extent), pivot - 0.5 * size)
+    turn = np.array([_turn(box, ("box", i), frame, report) for i, box in enumerate(boxes)]).reshape(-1, 3, 3)
+    corner = _turned(turn, (lowest - pivot)[:, None] + _UNIT_CUBE[:, 0] * size[:, None]) + pivot[:, None]
+    return corner, _turned(turn, _UNIT_CUBE[:, 1] * size[:, None]), _turned(turn, _UNIT_CUBE[:, 2] * size[:, None])
+
+
+def _turned(turn: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 6, 3) vectors turned by (n, 3, 3) rotations."""
+    return np.asarray(np.einsum("nij,nfj->nfi", turn, vectors))
+
+
+def _turn(box: BoxTable, location: Location, frame: Frame, report: Report) -> NDArray[np.float64]:
+    """(3, 3) rotation of a box."""
+    axis = np.array([0.0, 0.0, 1.0]) if box.rotation_axis is None else frame.directions(box.rotation_axis)
+    if not axis.any():
+        report.fault((*location, "rotation_axis"), "[0, 0, 0] has no direction", "a vector with a length")
+        return np.eye(3)
+    return np.eye(3) if box.rotation_deg == 0.0 else rotation(axis, box.rotation_deg)

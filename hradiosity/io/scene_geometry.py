@@ -6,7 +6,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.io.scene_boxes import box_piece
+from hradiosity.io.scene_boxes import boxes_piece
 from hradiosity.io.scene_frame import Frame
 from hradiosity.io.scene_lines import Location
 from hradiosity.io.scene_meshes import mesh_piece
@@ -29,32 +29,42 @@ _NO_AREA: Final = 1e-9
 
 def read_surfaces(tables: SceneFile, frame: Frame, names: Names, report: Report) -> Surfaces:
     """All surfaces of a scene file in metres, z up; faults and warnings go to the report."""
-    pieces = list(_pieces(tables, frame, names, report))
-    _report_repeated_objects(pieces, report)
-    return join([_without_degenerate(piece, report) for piece in pieces])
+    surfaces = join(list(_pieces(tables, frame, names, report)))
+    _report_repeated_objects(surfaces, report)
+    return _without_degenerate(surfaces, report)
 
 
 def _pieces(tables: SceneFile, frame: Frame, names: Names, report: Report) -> Iterator[Piece]:
-    for i, rectangle in enumerate(tables.rectangle):
-        location: Location = ("rectangle", i)
-        yield _rectangle_piece(rectangle, rectangle.name or f"rectangle-{i + 1}", location, frame, names, report)
+    yield _rectangles_piece(tables.rectangle, frame, names, report)
     for i, polygon in enumerate(tables.polygon):
-        location = ("polygon", i)
-        yield _polygon_piece(polygon, polygon.name or f"polygon-{i + 1}", location, frame, names, report)
-    for i, box in enumerate(tables.box):
-        yield box_piece(box, box.name or f"box-{i + 1}", ("box", i), frame, names, report)
+        yield _polygon_piece(polygon, polygon.name or f"polygon-{i + 1}", ("polygon", i), frame, names, report)
+    yield boxes_piece(tables.box, frame, names, report)
     for i, mesh in enumerate(tables.mesh):
         piece = mesh_piece(mesh, ("mesh", i), frame, names, report)
         if piece is not None:
             yield piece
 
 
-def _rectangle_piece(
-    rectangle: RectangleTable, name: str, location: Location, frame: Frame, names: Names, report: Report
-) -> Piece:
-    edges = frame.points([rectangle.corner, rectangle.edge_u, rectangle.edge_v])
-    parts = Pieces(edges[0:1], edges[1:2], edges[2:3], np.array([False]), np.zeros(1, dtype=np.int32))
-    return _single_object(rectangle, name, location, parts, names, report)
+def _rectangles_piece(rectangles: Sequence[RectangleTable], frame: Frame, names: Names, report: Report) -> Piece:
+    """All rectangles, one patch and one object each."""
+    n = len(rectangles)
+    vectors = [(rectangle.corner, rectangle.edge_u, rectangle.edge_v) for rectangle in rectangles]
+    origin, edge_u, edge_v = np.moveaxis(frame.points(np.array(vectors).reshape(-1, 3, 3)), 1, 0)
+    for i, rectangle in enumerate(rectangles):
+        names.check_material(rectangle.material, ("rectangle", i, "material"), report)
+        names.check_luminaire(rectangle.luminaire, ("rectangle", i, "luminaire"), report)
+    number = np.arange(n, dtype=np.int32)
+    material = np.array([names.material_index(rectangle.material) for rectangle in rectangles], dtype=np.int32)
+    patches = Patches(
+        origin, edge_u, edge_v, np.zeros(n, dtype=bool), material, number, number, np.full(n, NONE, dtype=np.int32)
+    )
+    return Piece(
+        tuple(rectangle.name or f"rectangle-{i + 1}" for i, rectangle in enumerate(rectangles)),
+        tuple(("rectangle", i) for i in range(n)),
+        patches,
+        np.array([names.luminaire_index(rectangle.luminaire) for rectangle in rectangles], dtype=np.int32),
+        np.full(n, ""),
+    )
 
 
 def _polygon_piece(
@@ -71,14 +81,18 @@ def _polygon_piece(
             report.fault(location, f"{_faces(dropped)} without area", "corners that are not on one line")
         else:
             report.warn(location, f"{_faces(dropped)} without area dropped")
-    piece = _single_object(polygon, name, location, _join_faces(parts), names, report)
-    solid = piece.patches.solid
+    names.check_material(polygon.material, (*location, "material"), report)
+    names.check_luminaire(polygon.luminaire, (*location, "luminaire"), report)
+    cut = _join_faces(parts)
+    n = len(cut.origin)
+    number = np.zeros(n, dtype=np.int32)
+    material = np.full(n, names.material_index(polygon.material), dtype=np.int32)
+    solid = np.full(n, 0 if polygon.solid else NONE, dtype=np.int32)
+    patches = Patches(cut.origin, cut.edge_u, cut.edge_v, cut.is_triangle, material, number, cut.surface, solid)
     if polygon.solid is None:
-        corners = piece.patches.corners()
-        solid[:] = find_solids(corners, piece.patches.is_triangle, piece.patches.object).solid
-    elif polygon.solid:
-        solid[:] = 0
-    return piece
+        patches.solid[:] = find_solids(patches.corners(), patches.is_triangle, patches.object).solid
+    luminaire = np.full(n, names.luminaire_index(polygon.luminaire), dtype=np.int32)
+    return Piece((name,), (location,), patches, luminaire, np.full(n, ""))
 
 
 def _cut_face(
@@ -116,46 +130,26 @@ def _join_faces(parts: Sequence[Pieces]) -> Pieces:
     return Pieces(*columns)
 
 
-def _single_object(
-    table: RectangleTable | PolygonTable, name: str, location: Location, parts: Pieces, names: Names, report: Report
-) -> Piece:
-    """A piece of one object, one material and one luminaire, and no solid."""
-    names.check_material(table.material, (*location, "material"), report)
-    names.check_luminaire(table.luminaire, (*location, "luminaire"), report)
-    n = len(parts.origin)
-    patches = Patches(
-        parts.origin,
-        parts.edge_u,
-        parts.edge_v,
-        parts.is_triangle,
-        np.full(n, names.material_index(table.material), dtype=np.int32),
-        np.zeros(n, dtype=np.int32),
-        parts.surface,
-        np.full(n, NONE, dtype=np.int32),
-    )
-    luminaire = np.full(n, names.luminaire_index(table.luminaire), dtype=np.int32)
-    return Piece(location, (name,), patches, luminaire, np.full(n, ""))
-
-
-def _without_degenerate(piece: Piece, report: Report) -> Piece:
-    """The piece less the patches without area, which are reported."""
-    degenerate = is_degenerate(piece.patches)
-    count = int(degenerate.sum())
-    if count > 0 and count == len(piece.patches):
-        report.fault(piece.location, f"{_faces(count)} without area", "edges that are neither zero nor parallel")
-    elif count > 0:
-        report.warn(piece.location, f"{_faces(count)} without area dropped")
-    return piece.keep(~degenerate)
+def _without_degenerate(surfaces: Surfaces, report: Report) -> Surfaces:
+    """The surfaces less the patches without area, which are reported."""
+    degenerate = is_degenerate(surfaces.patches)
+    owner = surfaces.patches.object
+    for number in np.unique(owner[degenerate]):
+        count, location = int(degenerate[owner == number].sum()), surfaces.locations[number]
+        if count == int((owner == number).sum()):
+            report.fault(location, f"{_faces(count)} without area", "edges that are neither zero nor parallel")
+        else:
+            report.warn(location, f"{_faces(count)} without area dropped")
+    return surfaces.keep(~degenerate)
 
 
 def _faces(count: int) -> str:
     return "1 face" if count == 1 else f"{count} faces"
 
 
-def _report_repeated_objects(pieces: Sequence[Piece], report: Report) -> None:
+def _report_repeated_objects(surfaces: Surfaces, report: Report) -> None:
     seen: set[str] = set()
-    for piece in pieces:
-        for name in piece.objects:
-            if name in seen:
-                report.fault(piece.location, f"a second object named {name!r}", "a name of its own")
-            seen.add(name)
+    for name, location in zip(surfaces.objects, surfaces.locations, strict=True):
+        if name in seen:
+            report.fault(location, f"a second object named {name!r}", "a name of its own")
+        seen.add(name)

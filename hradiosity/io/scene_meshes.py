@@ -38,7 +38,8 @@ def mesh_piece(mesh: MeshTable, location: Location, frame: Frame, names: Names, 
     luminaire = np.array([names.luminaire_index(_mapped(mesh.luminaires, part)) for part in parts])
     patches.material[:] = material[part_of]
     patches.solid[:] = find_solids(patches.corners(), patches.is_triangle, patches.object).solid
-    return Piece(location, objects, patches, luminaire[part_of].astype(np.int32), np.full(len(patches), ""))
+    locations = (location,) * len(objects)
+    return Piece(objects, locations, patches, luminaire[part_of].astype(np.int32), np.full(len(patches), ""))
 
 
 def _read(mesh: MeshTable, location: Location, report: Report) -> MeshFile | None:

@@ -12,24 +12,20 @@ from hradiosity.model.geometry import NONE, Patches
 
 @dataclass(frozen=True)
 class Piece:
-    """Patches of one table of the scene file.
+    """Patches of one or several tables of the scene file.
 
-    location : where the table stands
     objects : names
+    locations : where the table of each object stands
     patches : ``object``, ``surface`` and ``solid`` count within the piece
     luminaire : (n,) int32, index of the luminaire's table, or NONE
     face : (n,) names of box faces; empty strings elsewhere
     """
 
-    location: Location
     objects: tuple[str, ...]
+    locations: tuple[Location, ...]
     patches: Patches
     luminaire: NDArray[np.int32]
     face: NDArray[np.str_]
-
-    def keep(self, kept: NDArray[np.bool_]) -> "Piece":
-        """The piece with only some of its patches."""
-        return Piece(self.location, self.objects, select(self.patches, kept), self.luminaire[kept], self.face[kept])
 
 
 @dataclass(frozen=True)
@@ -38,14 +34,21 @@ class Surfaces:
 
     patches : Patches
     objects : names that ``patches.object`` counts
+    locations : where the table of each object stands
     luminaire : (n,) int32, index of the luminaire's table, or NONE
     face : (n,) names of box faces; empty strings elsewhere
     """
 
     patches: Patches
     objects: tuple[str, ...]
+    locations: tuple[Location, ...]
     luminaire: NDArray[np.int32]
     face: NDArray[np.str_]
+
+    def keep(self, kept: NDArray[np.bool_]) -> "Surfaces":
+        """Only some of the patches; objects stay, also those without patches."""
+        patches = select(self.patches, kept)
+        return Surfaces(patches, self.objects, self.locations, self.luminaire[kept], self.face[kept])
 
 
 def select(patches: Patches, kept: NDArray[np.bool_]) -> Patches:
@@ -98,6 +101,7 @@ def join(pieces: Sequence[Piece]) -> Surfaces:
     return Surfaces(
         patches,
         tuple(name for piece in pieces for name in piece.objects),
+        tuple(location for piece in pieces for location in piece.locations),
         np.concatenate([np.zeros(0, dtype=np.int32), *(piece.luminaire for piece in pieces)]),
         np.concatenate([np.zeros(0, dtype=np.str_), *(piece.face for piece in pieces)]),
     )

@@ -1,16 +1,20 @@
 """Sensors that are spread over the surface of an object."""
 
+from typing import Final
+
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.io.scene_frame import Frame
 from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_pieces import Surfaces
+from hradiosity.io.scene_pieces import Surfaces, select
 from hradiosity.io.scene_report import Report, did_you_mean
 from hradiosity.io.schema_sensors import SurfaceSensor
+from hradiosity.model.geometry import Patches
 from hradiosity.model.scene import Sensor
 
-_DEFAULT_OFFSET = 1e-3
+_DEFAULT_OFFSET: Final = 1e-3
+"""Distance from the surface [m]."""
 
 
 def surface_sensor(
@@ -18,28 +22,23 @@ def surface_sensor(
 ) -> Sensor | None:
     """Points at the centres of equal cells of the object's patches; None and a fault when it has none."""
     chosen = _chosen_patches(table, location, surfaces, report)
-    if len(chosen) == 0:
+    if not chosen.any():
         return None
-    patches = surfaces.patches
+    patches = select(surfaces.patches, chosen)
+    counts = _counts(table, patches, frame)
     offset = _DEFAULT_OFFSET if table.offset is None else frame.length(table.offset)
-    sign = 1.0 if table.side == "front" else -1.0
-    positions, normals = [], []
-    counts = (0, 0)
-    for patch in chosen:
-        counts = _counts(table, patches.edge_u[patch], patches.edge_v[patch], frame)
-        uv = _triangle_centres(max(counts)) if patches.is_triangle[patch] else _cell_centres(*counts)
-        normal = sign * patches.normal[patch]
-        on_surface = patches.origin[patch] + uv[:, :1] * patches.edge_u[patch] + uv[:, 1:] * patches.edge_v[patch]
-        positions.append(on_surface + offset * normal)
-        normals.append(np.repeat(normal[None], len(uv), axis=0))
-    is_grid = len(chosen) == 1 and not patches.is_triangle[chosen[0]]
-    grid = (counts[1], counts[0]) if is_grid else None
-    return Sensor(table.name, np.concatenate(positions), np.concatenate(normals), grid)
+    normal = patches.normal if table.side == "front" else -patches.normal
+    owner, uv = _spread(patches.is_triangle, counts)
+    on_surface = patches.origin[owner] + uv[:, :1] * patches.edge_u[owner] + uv[:, 1:] * patches.edge_v[owner]
+    is_grid = len(patches) == 1 and not patches.is_triangle[0]
+    grid = (int(counts[0, 1]), int(counts[0, 0])) if is_grid else None
+    return Sensor(table.name, on_surface + offset * normal[owner], normal[owner], grid)
 
 
 def _chosen_patches(
     table: SurfaceSensor, location: Location, surfaces: Surfaces, report: Report
-) -> NDArray[np.int64]:
+) -> NDArray[np.bool_]:
+    """(n,) whether a patch is meant; none, and a fault, if the object or the face does not exist."""
     objects = np.array(
         [i for i, name in enumerate(surfaces.objects) if name == table.object or name.startswith(f"{table.object}/")]
     )
@@ -47,24 +46,39 @@ def _chosen_patches(
         report.fault(
             (*location, "object"), f"no object {table.object!r}", did_you_mean(table.object, surfaces.objects)
         )
-        return np.zeros(0, dtype=np.int64)
-    wanted = np.isin(surfaces.patches.object, objects)
+        return np.zeros(len(surfaces.patches), dtype=bool)
+    wanted: NDArray[np.bool_] = np.isin(surfaces.patches.object, objects)
     if table.face is not None:
         wanted &= surfaces.face == table.face
         if not wanted.any():
             report.fault((*location, "face"), f"object {table.object!r} has no face {table.face!r}", "a face of a box")
-    return np.flatnonzero(wanted)
+    return wanted
 
 
-def _counts(
-    table: SurfaceSensor, edge_u: NDArray[np.float64], edge_v: NDArray[np.float64], frame: Frame
-) -> tuple[int, int]:
-    """Cells along the two edges of a patch."""
+def _counts(table: SurfaceSensor, patches: Patches, frame: Frame) -> NDArray[np.int64]:
+    """(n, 2) cells along the two edges of each patch; a triangle has as many along both."""
     if table.counts is not None:
-        return table.counts
-    spacing = frame.length(table.spacing or 1.0)
-    n_u, n_v = (max(1, int(np.ceil(np.linalg.norm(edge) / spacing - 1e-9))) for edge in (edge_u, edge_v))
-    return n_u, n_v
+        counts = np.tile(np.array(table.counts), (len(patches), 1))
+    else:
+        length = np.linalg.norm(np.stack([patches.edge_u, patches.edge_v], axis=1), axis=2)
+        counts = np.maximum(1, np.ceil(length / frame.length(table.spacing or 1.0) - 1e-9)).astype(np.int64)
+    return np.where(patches.is_triangle[:, None], counts.max(axis=1, keepdims=True), counts)
+
+
+def _spread(
+    is_triangle: NDArray[np.bool_], counts: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+    """Patch and (u, v) of each point, patch by patch; patches that are cut alike are done at once."""
+    kinds, kind_of = np.unique(np.column_stack([is_triangle, counts]), axis=0, return_inverse=True)
+    owners, places = [], []
+    for number, (triangular, n_u, n_v) in enumerate(kinds):
+        centres = _triangle_centres(int(n_u)) if triangular else _cell_centres(int(n_u), int(n_v))
+        alike = np.flatnonzero(kind_of.ravel() == number)
+        owners.append(np.repeat(alike, len(centres)))
+        places.append(np.tile(centres, (len(alike), 1)))
+    owner = np.concatenate(owners)
+    order = np.argsort(owner, kind="stable")
+    return owner[order], np.concatenate(places)[order]
 
 
 def _cell_centres(n_u: int, n_v: int) -> NDArray[np.float64]:

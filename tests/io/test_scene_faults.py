@@ -80,7 +80,7 @@ def test_byte_order_mark_is_no_fault(tmp_path):
         (OPEN_ROOM.replace('"m"\n', '"m"\nbands = { fist = 380 }\n'), "did you mean 'first'?"),
         (OPEN_ROOM.replace('"m"\n', '"m"\nbands = { first = 780, last = 380 }\n'), "first <= last"),
         (OPEN_ROOM.replace('"m"\n', '"m"\nbands = { edges = [500, 400] }\n'), "upper edge"),
-        (OPEN_ROOM.replace('material = "paint"', 'material = "piant"', 1), "no material 'piant'; did you mean 'paint'?"),
+        (OPEN_ROOM.replace('material = "paint"', 'material = "piant"', 1), "'piant'; did you mean 'paint'?"),
         (OPEN_ROOM.replace('luminaire = "lamp"', 'luminaire = "Lump"'), "no luminaire 'Lump'; did you mean 'lamp'?"),
         (OPEN_ROOM.replace("[[rectangle]]", "[rectangle]", 1).replace(PANEL, ""), "double brackets"),
         (OPEN_ROOM.replace("corner = [0.0, 0.0, 0.0]", "corner = [0.0, 0.0]"), "three numbers"),
