@@ -8,7 +8,7 @@ _TYPES = {"float32": "float", "float64": "double", "uint32": "uint", "int32": "i
 _NUMPY = {name: np.dtype(dtype) for dtype, name in _TYPES.items()}
 
 
-def device_call(device: Device, header: str, expression: str, result: str = "float", /, **arrays):
+def device_call(device: Device, header: str, expression: str, result: str = "float", /, *, definitions=None, **arrays):
     """Value of `expression` for each row of `arrays`, whose names stand in it.
 
     Parameters
@@ -16,6 +16,7 @@ def device_call(device: Device, header: str, expression: str, result: str = "flo
     header : file in ``cl/include``
     expression : OpenCL C
     result : its type: ``"float"``, ``"uint"``, ``"float3"``, …, up to 8 wide
+    definitions : dict of str to int or str, passed as ``-DNAME=value``
     **arrays : (n,) as scalars, (n, w) as vectors w wide, of float32, float64, uint32 or int32; Python's own float64
         rows are passed as double, so convert where the function takes float
 
@@ -30,7 +31,7 @@ def device_call(device: Device, header: str, expression: str, result: str = "flo
     text = load_source((f"include/{header}",)) + _kernel_text(expression, base, width, arrays)
     output = device.empty((n, width) if width > 1 else (n,), _NUMPY[base])
     inputs = {f"in_{name}": device.upload(array) for name, array in arrays.items()}
-    device.kernel_from_text(text, "call_expression")(n, out=output, **inputs)
+    device.kernel_from_text(text, "call_expression", **(definitions or {}))(n, out=output, **inputs)
     return device.fetch(output)
 
 

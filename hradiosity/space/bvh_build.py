@@ -50,12 +50,12 @@ def build_bvh(device: Device, patches: Patches) -> Bvh:
         raise ValueError("patches must have finite coordinates")
     local_origin, scale = _frame(patches)
     triangles = _triangles(patches, local_origin)
-    levels, name = _split(device, triangles)
-    nodes, leaf_ranges = _nodes(levels, np.float32(_BOX_MARGIN * scale))
+    levels, order = _split(device, triangles)
+    nodes, leaf_ranges = _nodes(levels, _area_before(triangles, order), np.float32(_BOX_MARGIN * scale))
     return Bvh(
         device=device,
         nodes=device.upload(nodes),
-        leaves=device.upload(_leaves(triangles, name, leaf_ranges)),
+        leaves=device.upload(_leaves(triangles, order, leaf_ranges)),
         patches=_geometry(device, patches, local_origin),
         n_patches=len(patches),
         depth=len(levels),
@@ -119,7 +119,16 @@ def _count(ranges: NDArray[np.uint32]) -> NDArray[np.uint32]:
     return ranges[..., 1] - ranges[..., 0]
 
 
-def _nodes(levels: list[_Level], margin: np.float32) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
+def _area_before(triangles: _Triangles, order: NDArray[np.uint32]) -> NDArray[np.float64]:
+    """(n + 1,) area of the first k triangles in `order` [m²], so that a range's area is one difference."""
+    corners = triangles.corners[order].astype(np.float64)
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    return np.concatenate([[0.0], np.cumsum(0.5 * np.linalg.norm(cross, axis=1))])
+
+
+def _nodes(
+    levels: list[_Level], area_before: NDArray[np.float64], margin: np.float32
+) -> tuple[NDArray[np.float32], NDArray[np.uint32]]:
     """Node rows, and ranges (n_leaves, 2) of the leaves in the order of their references; leaf 0 is the empty one."""
     bounds = np.concatenate([level.bounds for level in levels])
     ranges = np.concatenate([level.ranges for level in levels])
@@ -131,11 +140,31 @@ def _nodes(levels: list[_Level], margin: np.float32) -> tuple[NDArray[np.float32
     reference[is_node] = np.arange(1, 1 + np.count_nonzero(is_node))
     low = np.where(count[..., None] > 0, bounds[..., 0:3] - margin, _NOWHERE)
     high = np.where(count[..., None] > 0, margin - bounds[..., 4:7], -_NOWHERE)
-    nodes = np.zeros((len(bounds), NODE_WORDS // WIDTH, WIDTH), np.float32)
-    nodes[:, 0:6:2] = low.transpose(0, 2, 1)
-    nodes[:, 1:6:2] = high.transpose(0, 2, 1)
-    nodes[:, 6] = reference.view(np.float32)
-    return nodes.reshape(-1, NODE_WORDS), np.concatenate([np.zeros((1, 2), np.uint32), ranges[is_leaf]])
+    rows = np.zeros((len(bounds), WIDTH, NODE_WORDS // WIDTH), np.float32)
+    rows[:, :, 0:6:2] = low
+    rows[:, :, 1:6:2] = high
+    rows[:, :, 6] = reference.view(np.float32)
+    last_blocks_most = np.argsort(_blocking_per_test(bounds, ranges, area_before), axis=1, kind="stable")
+    nodes = np.take_along_axis(rows, last_blocks_most[..., None], axis=1).transpose(0, 2, 1)
+    return np.ascontiguousarray(nodes).reshape(-1, NODE_WORDS), np.concatenate(
+        [np.zeros((1, 2), np.uint32), ranges[is_leaf]]
+    )
+
+
+def _blocking_per_test(
+    bounds: NDArray[np.float32], ranges: NDArray[np.uint32], area_before: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """(m, 8) how likely a ray that meets a child's box is blocked there, for the triangles to be tested.
+
+    The likelihood is surface inside over half the box's surface, at most 1 (after Nah and Manocha 2014). Any-hit rays
+    go to the best child first, which makes them half as fast again (``hradiosity.suites.bench_rays``).
+    """
+    extent = -(bounds[..., 0:3] + bounds[..., 4:7]).astype(np.float64)
+    around = extent[..., 0] * extent[..., 1] + extent[..., 1] * extent[..., 2] + extent[..., 2] * extent[..., 0]
+    inside = area_before[ranges[..., 1]] - area_before[ranges[..., 0]]
+    count = _count(ranges)
+    share = np.divide(inside, around, out=np.zeros_like(inside), where=(count > 0) & (around > 0.0))
+    return np.minimum(share, 1.0) / np.maximum(count, WIDTH)
 
 
 def _leaves(triangles: _Triangles, order: NDArray[np.uint32], ranges: NDArray[np.uint32]) -> NDArray[np.float32]:
@@ -144,7 +173,7 @@ def _leaves(triangles: _Triangles, order: NDArray[np.uint32], ranges: NDArray[np
     used = place < ranges[:, 1:]
     which = order[place[used]]
     corners = np.zeros((len(ranges), WIDTH, 9), np.float32)
-    corners[used] = triangles.corners[which].reshape(-1, 9)
+    corners[used] = triangles.corners[which].transpose(0, 2, 1).reshape(-1, 9)
     name = np.full((len(ranges), WIDTH), 0xFFFFFFFF, np.uint32)
     name[used] = triangles.name[which]
     leaves = np.empty((len(ranges), LEAF_WORDS // WIDTH, WIDTH), np.float32)

@@ -35,7 +35,7 @@ def names_below(bvh: Bvh):
                 leaf = leaves[reference - LEAF_FLAG]
                 own = leaf[9].view(np.uint32)
                 used = own != 0xFFFFFFFF
-                corners = leaf[:9, used].reshape(3, 3, -1)
+                corners = leaf[:9, used].reshape(3, 3, -1).swapaxes(0, 1)
                 assert (corners > box_low[None, :, None]).all() and (corners < box_high[None, :, None]).all()
                 names.extend(own[used].tolist())
         level = below
@@ -57,23 +57,17 @@ def test_each_triangle_is_in_one_leaf_inside_its_boxes(device, n):
 def degenerate_inputs():
     rng = np.random.default_rng(0)
     n = 3000
-    one = np.zeros((n, 3))
-    yield "same triangle", make_patches(one, one + [1, 0, 0], one + [0, 1, 0], True)
+    zero = np.zeros((n, 3))
+    x, y = zero + np.eye(3)[0], zero + np.eye(3)[1]
+    yield "same triangle", make_patches(zero, x, y, True)
     size = rng.uniform(0.1, 1, (n, 1))
     yield "same centre", make_patches(-size * [1, 1, 0], 2 * size * [1, 0, 0], 2 * size * [0, 1, 0], False)
     steps = 2.0 ** -np.arange(120)[:, None]
     yield "halving", make_patches(steps * [1, 0, 0], steps * [0.1, 0, 0], steps * [0, 0.1, 0], True)
     line = np.arange(n)[:, None] * [1.0, 0, 0]
-    yield "row", make_patches(line, one + [1, 0, 0], one + [0, 1, 0], False)
-    yield (
-        "huge and tiny",
-        make_patches(
-            np.concatenate([one * 0, one + 1e-7]),
-            np.repeat([[1e4, 0, 0], [1e-7, 0, 0]], n, 0),
-            np.repeat([[0, 1e4, 0], [0, 1e-7, 0]], n, 0),
-            True,
-        ),
-    )
+    yield "row", make_patches(line, x, y, False)
+    sizes = np.repeat([[1e4], [1e-7]], n, axis=0)
+    yield "huge and tiny", make_patches(np.tile(zero, (2, 1)), sizes * np.eye(3)[0], sizes * np.eye(3)[1], True)
 
 
 @pytest.mark.parametrize("patches", [pytest.param(p, id=name) for name, p in degenerate_inputs()])
@@ -129,7 +123,7 @@ def test_same_patches_give_the_same_bits(device):
 
 def test_geometry_for_kernels_is_local(device):
     patches = box(half=2.0)
-    moved = make_patches(patches.origin + [1e6, 0, 0], patches.edge_u, patches.edge_v, patches.is_triangle)
+    moved = make_patches(patches.origin + np.array([1e6, 0, 0]), patches.edge_u, patches.edge_v, patches.is_triangle)
     bvh = build_bvh(device, moved)
     arrays = {name: device.fetch(array) for name, array in bvh.patch_arguments().items()}
     np.testing.assert_array_equal(bvh.local_origin, [1e6, 0, 0])
@@ -158,12 +152,28 @@ def test_offset_origin_moves_by_its_share_of_the_size(device):
     assert (np.abs(moved - p).max(axis=1) > 0).all()
 
 
-def test_lanes_and_bits(device):
-    rng = np.random.default_rng(0)
-    truth = -rng.integers(0, 2, (256, 8)).astype(np.int32)
-    bits = device_call(device, "hr_bvh.h", "hr_lanes(truth)", "uint", truth=truth)
-    np.testing.assert_array_equal(bits, (-truth * 2 ** np.arange(8)).sum(axis=1))
-    powers = (1 << np.arange(8)).astype(np.uint32)
-    np.testing.assert_array_equal(
-        device_call(device, "hr_bvh.h", "hr_lowest_bit(x)", "uint", x=powers | np.uint32(0x80)), np.arange(8)
-    )
+@pytest.mark.parametrize("portable", [False, True])
+def test_lanes_and_bits(device, portable):
+    header = "hr_lanes.h"
+    definitions = {"HR_PORTABLE_LANES": 1} if portable else {}
+    truth = -((np.arange(256)[:, None] >> np.arange(8)) & 1).astype(np.int32)
+    bits = device_call(device, header, "hr_lanes(truth)", "uint", truth=truth, definitions=definitions)
+    np.testing.assert_array_equal(bits, np.arange(256))
+    some = np.arange(1, 256, dtype=np.uint32)
+    lowest = device_call(device, header, "hr_lowest_bit(x)", "uint", x=some, definitions=definitions)
+    np.testing.assert_array_equal(1 << lowest, some & -some.astype(np.int64))
+
+
+def test_main_axis_and_reciprocal(device):
+    v = np.random.default_rng(0).normal(size=(1000, 3)).astype(np.float32)
+    axis = device_call(device, "hr_lanes.h", "hr_main_axis(v)", "uint", v=v)
+    np.testing.assert_array_equal(axis, np.abs(v).argmax(axis=1))
+    largest = device_call(device, "hr_lanes.h", "hr_largest_magnitude(v)", v=v)
+    np.testing.assert_array_equal(largest, np.abs(v).max(axis=1))
+    d = np.array([0.0, -0.0, 1e-30, -1e-30, 0.25, -4.0], np.float32)
+    reciprocal = device_call(device, "hr_bvh.h", "hr_finite_reciprocal(d)", d=d)
+    np.testing.assert_allclose(reciprocal, [1e18, 1e18, 1e18, -1e18, 4.0, -0.25], rtol=2.0**-23)
+
+
+def test_host_and_kernels_agree_on_the_stack(device):
+    assert device_call(device, "hr_bvh.h", "HR_BVH_STACK", "uint", x=np.zeros(1, np.float32))[0] == STACK_SIZE
