@@ -10,8 +10,8 @@ class Options:
     """Settings of a run; None lets the plan decide.
 
     element_size : edge of a row element [m]
-    rays_per_element : exchange rays from each row element, in each replicate
-    light_points : points on each row element from which a ray goes to each emitter, in each replicate
+    rays_per_element : exchange rays from each row element, all replicates together, at least 16 in each
+    light_points : points on each row element from which a ray goes to each emitter, all replicates together
     light_samples : shadow rays from a reading to each emitter, all replicates together
     gather_samples : paths from a reading, all replicates together
     replicates : independent runs whose spread gives the intervals, at least 2
@@ -23,8 +23,8 @@ class Options:
     """
 
     element_size: float | None = None
-    rays_per_element: int = 64
-    light_points: int = 16
+    rays_per_element: int = 128
+    light_points: int = 32
     light_samples: int = 64
     gather_samples: int = 1024
     replicates: int = 4
@@ -32,7 +32,7 @@ class Options:
     time: float | None = None
     occlusion: bool | None = None
     interreflection: bool | None = None
-    tolerance: float = 1e-4
+    tolerance: float = 5e-4
     seed: int = 0
 
     def __post_init__(self) -> None:

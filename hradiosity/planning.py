@@ -11,8 +11,10 @@ from hradiosity.plan import Effect, Plan, SpectralColumns
 from hradiosity.space.convexity import is_convex
 from hradiosity.space.lit_sides import LitSides
 
-ELEMENT_SHARE = 0.1
-"""Edge of a row element as a share of the mean free path of light."""
+WANTED_ELEMENTS = 4000
+"""Number of row elements that the lit area is cut into where the bounds below allow it."""
+LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
+"""Bounds of a row element's edge, as shares of the mean free path of light."""
 
 
 def spectral_columns(scene: Scene) -> SpectralColumns:
@@ -81,8 +83,10 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
     columns = spectral_columns(scene)
     occlusion = _occlusion(scene, options)
     interreflection = _interreflection(scene, options)
-    size = options.element_size or lit.free_path * ELEMENT_SHARE
     area = float(scene.patches.area @ lit.lit.sum(axis=1)) if len(scene.patches) else 0.0
+    size = options.element_size or float(
+        np.clip(np.sqrt(area / WANTED_ELEMENTS), LEAST_SHARE * lit.free_path, LARGEST_SHARE * lit.free_path)
+    )
     n_elements = int(area / size**2) + int(lit.lit.sum())
     n_readings = sum(len(s.position) for s in scene.sensors)
     replicates = options.replicates
@@ -101,8 +105,8 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
         n_readings=n_readings,
         element_size=size,
         n_elements=n_elements,
-        rays_per_element=options.rays_per_element,
-        light_points=options.light_points,
+        rays_per_element=max(16, -(-options.rays_per_element // replicates)),
+        light_points=-(-options.light_points // replicates),
         light_samples=-(-options.light_samples // replicates),
         gather_samples=-(-options.gather_samples // replicates),
         replicates=replicates,

@@ -68,21 +68,15 @@ class RadiositySolver:
     device : Device
     """
 
-    def __init__(self, scene: Scene, options: Options, device: Device) -> None:
+    def __init__(self, scene: Scene, options: Options, device: Device, calibration: Calibration | None = None) -> None:
         self.scene, self.options, self.device = scene, options, device
         self.record = Record()
         self.cpu_seconds = 0.0
+        self._calibration = calibration
         self._start = time.perf_counter()
-        self._position = _stacked([s.position for s in scene.sensors])
-        self._normal = _stacked([s.normal for s in scene.sensors])
-        self._slices = _slices(scene.sensors)
-        self._weights = luminous_weights(scene.bands)
-        n = len(self._position)
-        self._spectra = RunningMoments((n, len(scene.bands)))
-        self._lux = RunningMoments((n,))
-        self._sensor_lux = RunningMoments((len(scene.sensors),))
-        self._enclosed = RunningMoments((n,))
+        self._readings = ReadingMoments(scene.sensors, scene.bands)
         self._surfaces: SurfaceSolver | None = None
+        self._kept = KeptLight()
 
     def states(self) -> Iterator[State]:
         """Run, yielding after each stage; whoever stops asking keeps what is known so far."""

@@ -20,14 +20,16 @@ from hradiosity.solution import Surfaces
 from hradiosity.solve.krylov import DEFLATE_ABOVE, Convergence, deflation_vectors, solve_irradiance
 from hradiosity.solve.operator import ExchangeOperator
 from hradiosity.space.bvh import Bvh
-from hradiosity.space.hierarchy import Elements, build_elements
+from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import Defects, Exchange, RowHits, build_exchange, trace_rows
 
-RETRIES = 4
+RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
+LOST_SHARE = 1e-4
+"""Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
 
 
 @dataclass
@@ -141,10 +143,9 @@ class SurfaceSolver:
         for attempt in range(RETRIES + 1):
             hits = trace_rows(self.on_device, self.on_device_elements, self.plan.rays_per_element, seed)
             self.record.rays += hits.row.size
-            links = hits.unlit_links(self.elements)
-            if not len(links) or attempt == RETRIES:
+            if attempt == RETRIES or float(np.mean(hits.row == UNLIT)) <= LOST_SHARE:
                 break
-            self._links = np.concatenate([self._links, links])
+            self._links = np.concatenate([self._links, hits.unlit_links(self.elements)])
             links_so_far = self._links
             self._cut(find_lit_sides(self.scene, self._bvh, seed=self.options.seed, known_links=links_so_far))
             self._links = links_so_far

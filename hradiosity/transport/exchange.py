@@ -6,14 +6,16 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+from scipy.sparse import csr_array, diags_array
 
 from hradiosity.device.device import DeviceArray
 from hradiosity.space.hierarchy import COVERED, MISS, SKY, UNLIT, Elements
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
-CLOSURE_TOLERANCE = 1e-6
-CLOSURE_STEPS = 200
+CLOSURE_TOLERANCE = 1e-4
+CLOSURE_STEPS = 60
+LARGEST_SCALE = 2.0
+"""Factor that no row is scaled beyond: what it then still lacks becomes exchange with itself."""
 
 
 @dataclass(frozen=True)
@@ -44,7 +46,8 @@ class Defects:
     row_sum_rms, row_sum_max : of |Σ_j F_ij + F_i,outside − 1|, weighted by area for the rms
     reciprocity_rms : of |A_i F_ij − A_j F_ji| over the pairs that rays from both sides found, relative to their mean
     scale_rms, scale_max : of |d − 1|, d the factors that closed the rows
-    closure_residual : largest |row sum − 1| left after scaling
+    self_share : share of all exchange that rows have with themselves because scaling could not close them
+    closure_residual : largest |row sum − 1| left
     closure_steps : scaling steps taken
     lost_share : share of rays that ended where no light was thought to come
     """
@@ -54,6 +57,7 @@ class Defects:
     reciprocity_rms: float
     scale_rms: float
     scale_max: float
+    self_share: float
     closure_residual: float
     closure_steps: int
     lost_share: float
@@ -125,22 +129,30 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
     element_area = elements.area * exposed / n_samples
     sky = elements.area * (hits.row == SKY).sum(axis=1) / n_samples
     outside = sky + elements.area * (hits.row == MISS).sum(axis=1) / n_samples
-    scale, residual, steps = _close(pooled, outside, element_area)
+    before = _row_sum_defects(pooled, outside, element_area)
+    scale, steps = _close(pooled, outside, element_area)
+    pooled.data *= scale[receiver] * scale[pooled.indices]
+    outside, sky = outside * scale, sky * scale
+    missing = element_area - np.asarray(pooled.sum(axis=1)).ravel() - outside
+    closed = csr_array(pooled + diags_array(np.maximum(missing, 0.0), format="csr"))
+    counts = element_area > 0.0
+    total = float(element_area.sum())
     defects = Defects(
-        **_row_sum_defects(pooled, outside, element_area),
+        **before,
         reciprocity_rms=_reciprocity_defect(found, back, rays_per_area),
         scale_rms=_weighted_rms(scale - 1.0, element_area),
-        scale_max=float(np.abs(scale - 1.0)[element_area > 0].max(initial=0.0)),
-        closure_residual=residual,
+        scale_max=float(np.abs(scale - 1.0)[counts].max(initial=0.0)),
+        self_share=float(np.maximum(missing, 0.0).sum()) / total if total > 0.0 else 0.0,
+        closure_residual=float((np.maximum(-missing, 0.0)[counts] / element_area[counts]).max(initial=0.0)),
         closure_steps=steps,
         lost_share=float((hits.row == UNLIT).mean()) if hits.row.size else 0.0,
     )
     return Exchange(
-        start=pooled.indptr.astype(np.uint32),
-        source=pooled.indices.astype(np.uint32),
-        area=pooled.data * scale[receiver] * scale[pooled.indices],
-        outside=outside * scale,
-        sky=sky * scale,
+        start=closed.indptr.astype(np.uint32),
+        source=closed.indices.astype(np.uint32),
+        area=closed.data,
+        outside=outside,
+        sky=sky,
         element_area=element_area,
         defects=defects,
     )
@@ -148,22 +160,21 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
 
 def _close(
     pooled: csr_array, outside: NDArray[np.float64], area: NDArray[np.float64]
-) -> tuple[NDArray[np.float64], float, int]:
-    """Factors d with d_i (Σ_j K_ij d_j + s_i) = A_i, by the damped symmetric scaling d ← √(d A / (K d + s)).
+) -> tuple[NDArray[np.float64], int]:
+    """Factors d ≤ 2 with d_i (Σ_j K_ij d_j + s_i) = A_i, by the damped symmetric scaling d ← √(d A / (K d + s)).
 
-    The outside keeps the factor 1. Knight & Ruiz 2013 discuss the scaling of symmetric matrices.
+    The outside keeps the factor 1. Knight & Ruiz 2013 discuss the scaling of symmetric matrices; it has no solution
+    where a few elements see only each other and their areas differ, hence the bound.
     """
     scale = np.ones(len(area))
-    counts = area > 0.0
-    residual = 0.0
-    for step in range(CLOSURE_STEPS + 1):
+    for step in range(CLOSURE_STEPS):
         received = pooled @ scale + outside
-        usable = counts & (received > 0.0)
-        residual = float(np.abs(scale[usable] * received[usable] / area[usable] - 1.0).max(initial=0.0))
-        if residual < CLOSURE_TOLERANCE or step == CLOSURE_STEPS:
-            return scale, residual, step
-        scale[usable] = np.sqrt(scale[usable] * area[usable] / received[usable])
-    return scale, residual, CLOSURE_STEPS
+        usable = (area > 0.0) & (received > 0.0)
+        free = usable & ((scale < LARGEST_SCALE) | (scale * received > area))
+        if float(np.abs(scale[free] * received[free] / area[free] - 1.0).max(initial=0.0)) < CLOSURE_TOLERANCE:
+            return scale, step
+        scale[usable] = np.minimum(np.sqrt(scale[usable] * area[usable] / received[usable]), LARGEST_SCALE)
+    return scale, CLOSURE_STEPS
 
 
 def _row_sum_defects(
@@ -179,15 +190,17 @@ def _row_sum_defects(
 
 def _reciprocity_defect(found: csr_array, back: csr_array, rays_per_area: NDArray[np.float64]) -> float:
     """Rms relative difference of the two directions' estimates, over pairs with five hits or more each way."""
-    receiver = np.repeat(np.arange(found.shape[0]), np.diff(found.indptr))
-    pairs = found.multiply(back > 4).tocoo()
-    if not len(receiver) or not pairs.nnz:
+    often, often_back = found.copy(), back.copy()
+    often.data *= often.data > 4
+    often_back.data *= often_back.data > 4
+    both = csr_array(often.multiply(often_back > 0)).tocoo()
+    other = csr_array(often_back.multiply(often > 0)).tocoo()
+    keep = both.data > 0
+    if not keep.any():
         return 0.0
-    there = pairs.data / rays_per_area[pairs.row]
-    keep = pairs.data > 4
-    other = csr_array(back)[pairs.row[keep], pairs.col[keep]] / rays_per_area[pairs.col[keep]]
-    mean = 0.5 * (there[keep] + other)
-    return float(np.sqrt(np.mean(((there[keep] - other) / mean) ** 2))) if keep.any() else 0.0
+    there = both.data[keep] / rays_per_area[both.row[keep]]
+    here = other.data[other.data > 0] / rays_per_area[both.col[keep]]
+    return float(np.sqrt(np.mean((2.0 * (there - here) / (there + here)) ** 2)))
 
 
 def _weighted_rms(values: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
