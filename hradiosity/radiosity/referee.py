@@ -1,0 +1,140 @@
+"""Readings by unbiased paths alone, to judge the solver by."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from hradiosity.device import Device
+from hradiosity.model.scene import Scene
+from hradiosity.readings.moments import ReadingMoments
+from hradiosity.readings.paths import PathTotals, RefereeSamples, prepare_referee, rounds, trace_round
+from hradiosity.solution import Readings
+from hradiosity.space.bvh_build import build_bvh
+from hradiosity.transport.device_scene import upload_scene
+
+
+@dataclass(frozen=True)
+class RefereeState:
+    """Where a run stands.
+
+    paths, wanted : paths from each reading, traced and wanted
+    rays : traced so far
+    seconds, cpu_seconds : since the start; the latter without reading the scene
+    error, median_error : largest and median half width over value of the readings' illuminance (see
+        `Readings.accuracy`); 0 without readings
+    """
+
+    paths: int
+    wanted: int
+    rays: int
+    seconds: float
+    cpu_seconds: float
+    error: float
+    median_error: float
+
+
+class Referee:
+    """A run that can be followed round by round, interrupted, and asked for its readings at any time.
+
+    Parameters
+    ----------
+    scene : Scene
+    device : Device
+    paths_per_reading : int
+        Rounded up to full rounds.
+    seed : int
+    """
+
+    def __init__(self, scene: Scene, device: Device, paths_per_reading: int, seed: int = 0) -> None:
+        if paths_per_reading < 1:
+            raise ValueError(f"paths_per_reading must be at least 1, is {paths_per_reading}")
+        self.scene, self.device, self.seed = scene, device, seed
+        self.cpu_seconds = 0.0
+        self._wanted = paths_per_reading
+        self._start = time.perf_counter()
+        self._position = np.concatenate([np.zeros((0, 3)), *(s.position for s in scene.sensors)])
+        self._normal = np.concatenate([np.zeros((0, 3)), *(s.normal for s in scene.sensors)])
+        self._totals = PathTotals(len(self._position), len(scene.bands))
+
+    def states(self) -> Iterator[RefereeState]:
+        """Run, yielding after each round; whoever stops asking keeps what is known so far."""
+        cpu = time.process_time()
+        bvh = build_bvh(self.device, self.scene.patches)
+        referee = prepare_referee(upload_scene(self.device, self.scene, bvh, occlusion=True), self.scene)
+        parts = rounds(referee, len(self._position), self._wanted)
+        wanted = sum(count for _, count in parts)
+        for first, count in parts:
+            sums = trace_round(
+                referee, self._position, self._normal, first_path=first, n_paths=count, seed=self.seed
+            )
+            self._totals.add(sums, count)
+            self.cpu_seconds += time.process_time() - cpu
+            yield self._state(wanted)
+            cpu = time.process_time()
+
+    def samples(self) -> RefereeSamples:
+        """Spectra of all readings, in the order of the sensors.
+
+        Raises
+        ------
+        RuntimeError
+            Before the first round.
+        """
+        return self._totals.samples()
+
+    def readings(self) -> dict[str, Readings]:
+        """What is known so far, by sensor name; half widths from the spread of the scrambles.
+
+        Raises
+        ------
+        RuntimeError
+            Before the first round.
+        """
+        return self._moments().readings()
+
+    def _moments(self) -> ReadingMoments:
+        """Every scramble is a replicate."""
+        samples = self._totals.samples()
+        moments = ReadingMoments(self.scene.sensors, self.scene.bands)
+        for spectra in samples.per_scramble:
+            moments.add(spectra, samples.enclosed)
+        return moments
+
+    def _state(self, wanted: int) -> RefereeState:
+        samples = self._totals.samples()
+        errors = self._moments().errors()
+        scrambles = len(samples.per_scramble)
+        return RefereeState(
+            paths=samples.paths,
+            wanted=wanted * scrambles,
+            rays=samples.rays,
+            seconds=time.perf_counter() - self._start,
+            cpu_seconds=self.cpu_seconds,
+            error=float(errors.max(initial=0.0)),
+            median_error=float(np.median(errors)) if len(errors) else 0.0,
+        )
+
+
+def run_referee(
+    scene: Scene,
+    device: Device,
+    paths_per_reading: int,
+    seed: int = 0,
+    progress: Callable[[RefereeState], None] | None = None,
+) -> dict[str, Readings]:
+    """Unbiased readings of all sensors, by name.
+
+    Parameters
+    ----------
+    progress : callable, optional
+        Called after each round. An exception that it raises ends the run; to keep what is known, use `Referee`.
+    """
+    referee = Referee(scene, device, paths_per_reading, seed)
+    for state in referee.states():
+        if progress is not None:
+            progress(state)
+    return referee.readings()
