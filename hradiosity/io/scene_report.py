@@ -47,32 +47,56 @@ class Report:
     def __init__(self, path: Path, text: str) -> None:
         self.path = path
         self.notes: list[Note] = []
-        self.faults: list[Fault] = []
         self._lines = find_lines(text)
+        self._faults: list[tuple[int, Fault]] = []
+        self._numbers: dict[str, list[int]] = {}
+
+    @property
+    def faults(self) -> tuple[Fault, ...]:
+        """All faults so far, in the order of the lines they stand in."""
+        return tuple(fault for _, fault in sorted(self._faults, key=lambda entry: entry[0]))
+
+    def renumber(self, key: str, kept: list[int]) -> None:
+        """Say that only some entries of a list are looked at from now on: entry i is number ``kept[i]`` so far."""
+        before = self._numbers.get(key)
+        self._numbers[key] = kept if before is None else [before[i] for i in kept]
+
+    def _in_file(self, location: Location) -> Location:
+        """Location with the numbers that the entries have in the file."""
+        if len(location) > 1 and isinstance(location[1], int) and location[0] in self._numbers:
+            return (location[0], self._numbers[str(location[0])][location[1]], *location[2:])
+        return location
 
     def place(self, location: Location) -> str:
-        """``scene.toml:12``, or just the file where no line is known."""
+        """``scene.toml:12 box[2].size``, without the line where none is known."""
+        location = self._in_file(location)
+        return f"{self._file_line(location)} {entry_name(location)}"
+
+    def _file_line(self, location: Location) -> str:
         line = line_of(self._lines, location)
         return f"{self.path}:{line}" if line is not None else str(self.path)
 
     def fault(self, location: Location, found: str, expected: str) -> None:
         """Add a fault of the scene file."""
-        self.faults.append(Fault(self.place(location), entry_name(location), found, expected))
+        location = self._in_file(location)
+        fault = Fault(self._file_line(location), entry_name(location), found, expected)
+        self._faults.append((line_of(self._lines, location) or 0, fault))
 
     def warn(self, location: Location, message: str) -> None:
         """Add a warning: a number may be affected."""
-        self.notes.append(Note("warning", f"{self.place(location)} {entry_name(location)}", message))
+        self.notes.append(Note("warning", self.place(location), message))
 
     def inform(self, location: Location, message: str) -> None:
         """Add a note on something that was assumed."""
-        self.notes.append(Note("info", f"{self.place(location)} {entry_name(location)}", message))
+        self.notes.append(Note("info", self.place(location), message))
 
     def adopt(self, error: SceneError, location: Location) -> None:
         """Take over the faults of another file, saying which entry asked for it."""
-        asked = f"{self.place(location)} {entry_name(location)}"
+        line = line_of(self._lines, self._in_file(location)) or 0
+        asked = f"asked for by {self.place(location)}"
         for fault in error.faults:
-            expected = f"{fault.expected} (asked for by {asked})" if fault.expected else f"asked for by {asked}"
-            self.faults.append(Fault(fault.file, fault.entry, fault.found, expected))
+            expected = f"{fault.expected} ({asked})" if fault.expected else asked
+            self._faults.append((line, Fault(fault.file, fault.entry, fault.found, expected)))
 
     def find_file(self, name: str, location: Location) -> Path | None:
         """The file that an entry names, relative to the scene file's folder; None and a fault when there is none."""
@@ -88,5 +112,5 @@ class Report:
 
     def raise_faults(self) -> None:
         """Raise ``SceneError`` if there is any fault."""
-        if self.faults:
+        if self._faults:
             raise SceneError(self.faults)

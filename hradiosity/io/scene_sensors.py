@@ -10,7 +10,7 @@ from hradiosity.io.scene_frame import Frame
 from hradiosity.io.scene_lines import Location
 from hradiosity.io.scene_pieces import Surfaces
 from hradiosity.io.scene_report import Report
-from hradiosity.io.scene_surface_points import surface_sensor
+from hradiosity.io.scene_surface_points import is_reasonable, surface_sensor
 from hradiosity.io.schema_sensors import EyeSensor, GridSensor, PointsSensor, SensorTable, ViewTable
 from hradiosity.model.scene import Sensor, View
 
@@ -79,7 +79,7 @@ def _grid_sensor(table: GridSensor, location: Location, frame: Frame, report: Re
         across = _UP
     direction = across if table.normal is None else frame.directions(table.normal)
     normal = unit_vectors(direction, (*location, "normal"), report)
-    n_u, n_v = table.counts
+    n_u, n_v = table.counts if is_reasonable(table.counts[0] * table.counts[1], location, report) else (1, 1)
     v, u = np.meshgrid((np.arange(n_v) + 0.5) / n_v, (np.arange(n_u) + 0.5) / n_u, indexing="ij")
     position = corner + u.reshape(-1, 1) * edge_u + v.reshape(-1, 1) * edge_v + frame.length(table.height) * normal
     return Sensor(table.name, position, np.repeat(normal, n_u * n_v, axis=0), (n_v, n_u))

@@ -16,6 +16,17 @@ from hradiosity.model.scene import Sensor
 _DEFAULT_OFFSET: Final = 1e-3
 """Distance from the surface [m]."""
 
+MOST_POINTS: Final = 1_000_000
+"""Most points of one sensor."""
+
+
+def is_reasonable(count: float, location: Location, report: Report) -> bool:
+    """Whether a sensor has no more than MOST_POINTS; if it has, that is reported."""
+    if count <= MOST_POINTS:
+        return True
+    report.fault(location, f"{count:.3g} points", f"{MOST_POINTS} at most: fewer counts, or a larger spacing")
+    return False
+
 
 def surface_sensor(
     table: SurfaceSensor, location: Location, surfaces: Surfaces, frame: Frame, report: Report
@@ -26,6 +37,8 @@ def surface_sensor(
         return None
     patches = select(surfaces.patches, chosen)
     counts = _counts(table, patches, frame)
+    if not is_reasonable(float(counts.astype(np.float64).prod(axis=1).sum()), location, report):
+        return None
     offset = _DEFAULT_OFFSET if table.offset is None else frame.length(table.offset)
     normal = patches.normal if table.side == "front" else -patches.normal
     owner, uv = _spread(patches.is_triangle, counts)
@@ -61,7 +74,8 @@ def _counts(table: SurfaceSensor, patches: Patches, frame: Frame) -> NDArray[np.
         counts = np.tile(np.array(table.counts), (len(patches), 1))
     else:
         length = np.linalg.norm(np.stack([patches.edge_u, patches.edge_v], axis=1), axis=2)
-        counts = np.maximum(1, np.ceil(length / frame.length(table.spacing or 1.0) - 1e-9)).astype(np.int64)
+        cells = np.ceil(length / frame.length(table.spacing or 1.0) - 1e-9)
+        counts = np.clip(cells, 1, MOST_POINTS).astype(np.int64)
     return np.where(patches.is_triangle[:, None], counts.max(axis=1, keepdims=True), counts)
 
 

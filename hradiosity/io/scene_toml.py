@@ -1,6 +1,6 @@
 """Reads a scene: a folder with ``scene.toml``, or the file."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,6 +16,7 @@ from hradiosity.io.scene_report import Report
 from hradiosity.io.scene_schema import BandsTable, EdgeBands, RangeBands, SceneFile
 from hradiosity.io.scene_sensors import read_sensors, read_views
 from hradiosity.io.scene_validate import parse_toml, validate
+from hradiosity.io.schema_base import Table
 from hradiosity.model.scene import Scene
 from hradiosity.model.spectrum import Bands
 
@@ -72,9 +73,9 @@ def _build(tables: SceneFile, raw: Mapping[str, Any], frame: Frame, bands: Bands
     names = Names(_names(raw, "materials"), _names(raw, "luminaires"))
     before = len(report.faults)
     surfaces = read_surfaces(tables, frame, names, report)
-    geometry_failed = len(report.faults) > before or any(
-        len(raw.get(kind, ())) > len(getattr(tables, kind)) for kind in ("rectangle", "polygon", "box", "mesh")
-    )
+    kinds = ("rectangle", "polygon", "box", "mesh")
+    is_whole = all(_is_whole(raw.get(kind, []), getattr(tables, kind)) for kind in kinds)
+    geometry_failed = len(report.faults) > before or not is_whole
     luminaires, emitters = read_lamps(tables.luminaires, tables.point_source, surfaces, names, frame, bands, report)
     return Scene(
         tables.scene.title or report.path.resolve().parent.name,
@@ -89,6 +90,11 @@ def _build(tables: SceneFile, raw: Mapping[str, Any], frame: Frame, bands: Bands
         surfaces.objects,
         read_sky(tables.sky, bands, report),
     )
+
+
+def _is_whole(written: object, checked: Sequence[Table]) -> bool:
+    """Whether no entry of a list was left out because of its faults."""
+    return isinstance(written, list) and len(written) == len(checked)
 
 
 def _names(raw: Mapping[str, Any], key: str) -> tuple[str, ...]:

@@ -107,20 +107,25 @@ def validate(raw: dict[str, Any], report: Report) -> SceneFile:
             details = error.errors(include_url=False)
             for detail in details:
                 _report_detail(tables, detail, report)
-            tables = _without_faulty(tables, details)
+            tables = _without_faulty(tables, details, report)
 
 
-def _without_faulty(tables: dict[str, Any], details: list[ErrorDetails]) -> dict[str, Any]:
+def _without_faulty(tables: dict[str, Any], details: list[ErrorDetails], report: Report) -> dict[str, Any]:
     """The tables less the entries (one material, one box …) in which something is wrong."""
     kept = dict(tables)
     faulty = {detail["loc"][:2] for detail in details}
-    for key in {location[0] for location in faulty}:
-        value = kept.pop(str(key), None)
+    for key in {str(location[0]) for location in faulty}:
+        value = kept.pop(key, None)
         if key == "scene":
-            kept["scene"] = {"unit": "m"}
+            kept[key] = {"unit": "m"}
+        elif (key,) in faulty:
+            continue
+        elif isinstance(value, list):
+            good = [i for i in range(len(value)) if (key, i) not in faulty]
+            kept[key] = [value[i] for i in good]
+            report.renumber(key, good)
         elif isinstance(value, dict) and key in ("materials", "luminaires"):
             kept[key] = {name: entry for name, entry in value.items() if (key, name) not in faulty}
-    # A list keeps its faulty entries as gaps for numbering only, and gaps can't be validated: the list goes as a whole.
     return kept
 
 

@@ -18,9 +18,12 @@ def _three_numbers(value: Any) -> Any:
     return value
 
 
-Number = Annotated[float, Strict()]
-Count = Annotated[int, Strict(), Field(ge=1)]
-Positive = Annotated[float, Strict(), Field(gt=0)]
+LARGEST = 1e9
+"""Beyond this a number is a slip: squares and products of such numbers still have to be finite."""
+
+Number = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST)]
+Count = Annotated[int, Strict(), Field(ge=1, le=100_000)]
+Positive = Annotated[float, Strict(), Field(gt=0, le=LARGEST)]
 Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)]
 Name = Annotated[str, Strict(), Field(min_length=1)]
 

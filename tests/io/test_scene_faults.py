@@ -111,6 +111,16 @@ def test_all_faults_come_at_once(tmp_path):
         assert part in found
 
 
+def test_entries_keep_their_numbers_when_an_earlier_one_is_faulty(tmp_path):
+    """The second rectangle has a fault that is only found once the first, which is no rectangle, is out of the way."""
+    text = OPEN_ROOM.replace("edge_u = [4.0, 0.0, 0.0]", "edge_u = 4")
+    text = text.replace('luminaire = "lamp"', 'luminaire = "lomp"')
+    lines = text.splitlines()
+    first, second = faults(tmp_path, text)
+    assert f"scene.toml:{lines.index('edge_u = 4') + 1}: rectangle[0].edge_u" in first
+    assert f"scene.toml:{len(lines)}: rectangle[1].luminaire: no luminaire 'lomp'" in second
+
+
 def test_a_faulty_material_makes_one_fault_and_not_one_for_each_use(tmp_path):
     assert "materials.paint" in only(faults(tmp_path, OPEN_ROOM.replace("reflectance = 0.5", "reflectance = [0.5]")))
 
@@ -261,6 +271,8 @@ def test_duplicate_names(tmp_path, text, expected):
         ('kind = "grid"\ncorner = [0, 0, 0]\nedge_u = [1, 0, 0]\nedge_v = [2, 0, 0]\ncounts = [3, 3]', "span no area"),
         ('kind = "surface"\nobject = "flor"\ncounts = [3, 3]', "did you mean 'floor'?"),
         ('kind = "surface"\nobject = "floor"\nface = "top"\ncounts = [3, 3]', "has no face 'top'"),
+        ('kind = "surface"\nobject = "floor"\nspacing = 0.001', "8e+06 points"),
+        ('kind = "surface"\nobject = "floor"\nspacing = 1e-300', "points; 1000000 at most"),
         ('kind = "surface"\nobject = "floor"', "exactly one of counts, spacing"),
         ('kind = "eye"\npositions = [[0, 0, 1]]\ntarget = [0, 0, 1]', "has no direction"),
     ],
