@@ -68,6 +68,24 @@ class SpectralColumns:
 
 
 @dataclass(frozen=True)
+class Calibration:
+    """How fast a device was in an earlier run; what another scene will take follows from it within a factor of 2.
+
+    exchange_rays_per_s : exchange rays from row elements
+    shadow_rays_per_s : shadow rays from row elements
+    paths_per_s : paths from readings, lamps at their hits included
+    exchange_s_per_ray : pooling and closing the exchange, for each exchange ray
+    solve_s_per_ray_column : solution, for each exchange ray and right-hand side
+    """
+
+    exchange_rays_per_s: float
+    shadow_rays_per_s: float
+    paths_per_s: float
+    exchange_s_per_ray: float
+    solve_s_per_ray_column: float
+
+
+@dataclass(frozen=True)
 class Plan:
     """What a run will do; prints itself.
 

@@ -7,7 +7,7 @@ from numpy.typing import NDArray
 
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
-from hradiosity.plan import Effect, Plan, SpectralColumns
+from hradiosity.plan import Calibration, Effect, Plan, SpectralColumns
 from hradiosity.space.convexity import is_convex
 from hradiosity.space.lit_sides import LitSides
 
@@ -71,7 +71,9 @@ def _columns_of_class(
     return expansion, inside / top, int(bands[0])
 
 
-def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
+def make_plan(
+    scene: Scene, options: Options, lit: LitSides, calibration: Calibration | None = None
+) -> Plan:
     """Weigh each effect against the scene, and choose sizes that the options leave open.
 
     Parameters

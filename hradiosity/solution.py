@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hradiosity.model.scene import Scene
 from hradiosity.plan import Plan
@@ -23,7 +23,11 @@ class Readings:
     illuminance, illuminance_half_width : (n,) float64 [lx]
     mean_illuminance, mean_illuminance_half_width : of the sensor as a whole [lx]; the interval is that of the mean,
         and not the mean of the intervals
+    uniformity_half_width : of `uniformity`
+    chromaticity, chromaticity_half_width : (n, 2) float64, CIE 1931 x and y; NaN where there is no light
     enclosed : (n,) float64, share of the view that ends inside a solid or on sides no light reaches
+
+    Half widths come from the same number in each replicate, and not from those of what it is made of.
     """
 
     sensor: str
@@ -35,6 +39,9 @@ class Readings:
     illuminance_half_width: NDArray[np.float64]
     mean_illuminance: float
     mean_illuminance_half_width: float
+    uniformity_half_width: float
+    chromaticity: NDArray[np.float64]
+    chromaticity_half_width: NDArray[np.float64]
     enclosed: NDArray[np.float64]
 
     def __len__(self) -> int:
@@ -77,6 +84,7 @@ class Solution:
     record : what ``run.json`` holds beside the plan: options, seconds a stage, rays, iterations, defects, warnings
     replicates : replicates that the numbers are means of
     complete : False when the run was interrupted
+    reader : reads further points with the kept light of the replicates; None for a solution without a solver
     """
 
     scene: Scene
@@ -87,6 +95,40 @@ class Solution:
     replicates: int
     complete: bool
     record: Mapping[str, Any] = field(default_factory=dict)
+    reader: Callable[[NDArray[np.float64], NDArray[np.float64]], Readings] | None = None
+
+    def read(self, points: ArrayLike, normals: ArrayLike) -> Readings:
+        """Light at further points.
+
+        Each replicate's light on the surfaces is kept, and short paths from the new points look it up, so that the
+        intervals are as honest as those of the sensors. Nothing of the surfaces is computed again.
+
+        Parameters
+        ----------
+        points : (n, 3) or (3,) float [m]
+        normals : (n, 3) or (3,) float
+            Of any length but 0; one normal serves all points.
+
+        Raises
+        ------
+        ValueError
+            When shapes do not fit, something is not finite or a normal is 0.
+        RuntimeError
+            When the solution has no solver behind it.
+        """
+        if self.reader is None:
+            raise RuntimeError("this solution was not made by a solver of this process; solve the scene to read it")
+        position = np.atleast_2d(np.asarray(points, np.float64))
+        normal = np.atleast_2d(np.asarray(normals, np.float64))
+        for name, value in (("points", position), ("normals", normal)):
+            if value.ndim != 2 or value.shape[1] != 3 or not np.isfinite(value).all():
+                raise ValueError(f"{name} must be (n, 3) finite numbers, have the shape {value.shape}")
+        if len(normal) not in (1, len(position)):
+            raise ValueError(f"{len(position)} points and {len(normal)} normals")
+        length = np.linalg.norm(normal, axis=1, keepdims=True)
+        if not (length > 0.0).all():
+            raise ValueError("a normal of length 0 has no direction")
+        return self.reader(position, np.broadcast_to(normal / length, position.shape))
 
     @property
     def exitance(self) -> NDArray[np.float64]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import asdict, dataclass
 from typing import Any
 
@@ -11,19 +11,22 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
-from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
-from hradiosity.plan import Plan
+from hradiosity.plan import Calibration, Plan
 from hradiosity.planning import make_plan
+from hradiosity.radiosity.checkpoint import pack_record, part_of, unpack_record
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
-from hradiosity.readings.interval import RunningMoments
-from hradiosity.readings.sensors import read_points
+from hradiosity.readings.moments import ReadingMoments
+from hradiosity.readings.sensors import SurfaceLight, read_points
 from hradiosity.solution import Readings, Solution
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.lit_sides import find_lit_sides
+from hradiosity.transport.device_scene import DeviceElements
 
 MAX_REPLICATES = 256
+KEPT_BYTES = 256 * 2**20
+"""Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
 
 
 @dataclass(frozen=True)
@@ -59,44 +62,65 @@ def solve(scene: Scene, options: Options | None = None, device: Device | None = 
 
 
 class RadiositySolver:
-    """One run that can be followed state by state, interrupted, and asked for its solution at any time.
+    """One run that can be followed state by state, interrupted, resumed, and asked for its solution at any time.
 
     Parameters
     ----------
     scene : Scene
     options : Options
     device : Device
+    calibration : Calibration, optional
+        Rates of the device, for the plan's expected seconds.
     """
 
-    def __init__(self, scene: Scene, options: Options, device: Device, calibration: Calibration | None = None) -> None:
+    def __init__(
+        self, scene: Scene, options: Options, device: Device, calibration: Calibration | None = None
+    ) -> None:
         self.scene, self.options, self.device = scene, options, device
         self.record = Record()
         self.cpu_seconds = 0.0
         self._calibration = calibration
         self._start = time.perf_counter()
+        self._earlier_seconds = 0.0
         self._readings = ReadingMoments(scene.sensors, scene.bands)
         self._surfaces: SurfaceSolver | None = None
-        self._kept = KeptLight()
+        self._kept: list[tuple[DeviceElements, SurfaceLight, int]] = []
+
+    @property
+    def replicates(self) -> int:
+        """Number of replicates done."""
+        return self._readings.count
+
+    @property
+    def plan(self) -> Plan:
+        """What the run does; made on first use."""
+        return self._prepare().plan
 
     def states(self) -> Iterator[State]:
-        """Run, yielding after each stage; whoever stops asking keeps what is known so far."""
-        cpu = time.process_time()
+        """Run, yielding after each stage; whoever stops asking keeps what is known so far.
+
+        A keyboard interrupt takes back the replicate that it breaks off, so that the solution and the checkpoint are
+        those of the replicates before.
+        """
         surfaces = self._prepare()
-        self.cpu_seconds += time.process_time() - cpu
-        wanted = self.options.replicates
-        yield self._state("geometry", wanted)
-        while self._spectra.count < wanted:
+        yield self._state("geometry")
+        while self.replicates < self._wanted():
+            before = self.checkpoint()
             cpu = time.process_time()
-            self._replicate(surfaces)
+            try:
+                self._replicate(surfaces)
+            except KeyboardInterrupt:
+                self._load(before)
+                raise
             self.cpu_seconds += time.process_time() - cpu
-            if self._spectra.count >= wanted and not self._finished():
-                wanted += 1
-            yield self._state("replicate", wanted)
+            yield self._state("replicate")
 
     @property
     def accuracy_reached(self) -> bool:
         """Whether all readings are as accurate as was asked for; True if nothing was asked."""
-        return self.options.accuracy is None or float(self._errors().max(initial=0.0)) <= self.options.accuracy
+        if self.options.accuracy is None:
+            return True
+        return self.replicates >= 2 and float(self._readings.errors().max(initial=0.0)) <= self.options.accuracy
 
     def solution(self) -> Solution:
         """What is known so far.
@@ -106,92 +130,131 @@ class RadiositySolver:
         RuntimeError
             Before the first replicate.
         """
-        if self._surfaces is None or self._spectra.count == 0:
+        if self._surfaces is None or self.replicates == 0:
             raise RuntimeError("nothing was solved yet")
         return Solution(
             scene=self.scene,
             plan=self.plan,
             elements=self._surfaces.elements,
             surfaces=self._surfaces.surfaces(),
-            readings={name: self._readings(i, name) for i, name in enumerate(self._slices)},
-            replicates=self._spectra.count,
-            complete=self._spectra.count >= self.options.replicates,
+            readings=self._readings.readings(),
+            replicates=self.replicates,
+            complete=self.replicates >= self._wanted(),
             record=self._summary(),
+            reader=self.read,
         )
 
+    def read(self, position: NDArray[np.float64], normal: NDArray[np.float64]) -> Readings:
+        """Light at further points, from the kept light of this process's replicates; see `Solution.read`.
+
+        Raises
+        ------
+        RuntimeError
+            Before two replicates are kept.
+        """
+        if len(self._kept) < 2:
+            raise RuntimeError("further points need the light of two replicates or more, computed by this process")
+        moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands)
+        for elements, light, seed in self._kept:
+            self._read(moments, elements, light, seed)
+        return moments.readings()["read"]
+
+    def checkpoint(self) -> dict[str, NDArray[Any]]:
+        """Everything that `restore` needs, by name; the arrays do not change when the run goes on."""
+        surfaces = self._prepare()
+        seconds = self._earlier_seconds + self._elapsed()
+        return {
+            "record": pack_record(self.record, cpu_seconds=self.cpu_seconds, wall_seconds=seconds),
+            **{f"readings/{name}": array for name, array in self._readings.checkpoint().items()},
+            **{f"surfaces/{name}": array for name, array in surfaces.checkpoint().items()},
+        }
+
+    def restore(self, kept: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from the checkpoint of a run of the same scene, options and device; the numbers are the same bits.
+
+        Raises
+        ------
+        ValueError
+            When the checkpoint does not fit this scene.
+        """
+        self._prepare()
+        geometry = dict(self.record.seconds)
+        numbers = self._load(kept)
+        for stage, seconds in geometry.items():
+            self.record.seconds[stage] = self.record.seconds.get(stage, 0.0) + seconds
+        self._earlier_seconds = numbers["wall_seconds"]
+
+    def _load(self, kept: Mapping[str, NDArray[Any]]) -> Mapping[str, float]:
+        """Put the moments and the record back; returns the other numbers."""
+        self._readings.restore(part_of(kept, "readings"))
+        self._prepare().restore(part_of(kept, "surfaces"))
+        record, numbers = unpack_record(kept["record"])
+        self.record.__dict__.update(record.__dict__)
+        self.cpu_seconds = numbers["cpu_seconds"]
+        return numbers
+
     def _prepare(self) -> SurfaceSolver:
-        """Ray structure, lit sides, plan and elements."""
-        with self.record.timed("geometry"):
-            bvh = build_bvh(self.device, self.scene.patches)
-            lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
-            self.plan: Plan = make_plan(self.scene, self.options, lit)
-            self._surfaces = SurfaceSolver(
-                self.device, self.scene, bvh, lit, self.plan, self.options, self.record
-            )
+        """Ray structure, lit sides, plan and elements; once."""
+        if self._surfaces is None:
+            cpu = time.process_time()
+            with self.record.timed("geometry"):
+                bvh = build_bvh(self.device, self.scene.patches)
+                lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
+                plan = make_plan(self.scene, self.options, lit, self._calibration)
+                self._surfaces = SurfaceSolver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
+            self.cpu_seconds += time.process_time() - cpu
         return self._surfaces
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
-        seed = int(np.random.SeedSequence((self.options.seed, self._spectra.count)).generate_state(1)[0])
+        seed = int(np.random.SeedSequence((self.options.seed, self.replicates)).generate_state(1)[0])
         light = surfaces.replicate(seed)
-        plan = self.plan
         with self.record.timed("readings"):
-            samples = read_points(
-                surfaces.on_device,
-                surfaces.on_device_elements,
-                light,
-                self._position,
-                self._normal,
-                light_samples=plan.light_samples,
-                gather_samples=plan.gather_samples if plan.interreflection else 0,
-                seed=seed ^ 0x5BD1E995,
-            )
-            spectra = plan.columns.to_bands(samples.irradiance)
-        self.record.rays += len(spectra) * (len(self.scene.emitters) * plan.light_samples + 3 * plan.gather_samples)
-        lux = np.einsum("xb,b->x", spectra, self._weights)
-        self._spectra.add(spectra)
-        self._lux.add(lux)
-        self._sensor_lux.add(np.array([lux[part].mean() for part in self._slices.values()]))
-        self._enclosed.add(samples.enclosed)
+            self._read(self._readings, surfaces.on_device_elements, light, seed)
+        plan = self.plan
+        per_reading = len(self.scene.emitters) * plan.light_samples + 3 * plan.gather_samples
+        self.record.rays += len(self._readings.position) * per_reading
+        size = light.reflected.nbytes + light.emitter_choice.nbytes
+        if len(self._kept) < 2 or (len(self._kept) + 1) * size <= KEPT_BYTES:
+            self._kept.append((surfaces.on_device_elements, light, seed))
 
-    def _finished(self) -> bool:
-        """Whether to stop when the wanted replicates are done."""
-        if self.options.accuracy is None and self.options.time is None:
-            return True
-        out_of_time = self.options.time is not None and self._elapsed() >= self.options.time
-        reached = self.options.accuracy is not None and self.accuracy_reached
-        return out_of_time or reached or self._spectra.count >= MAX_REPLICATES
+    def _read(self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int) -> None:
+        """One replicate of readings."""
+        plan = self.plan
+        samples = read_points(
+            self._prepare().on_device,
+            elements,
+            light,
+            moments.position,
+            moments.normal,
+            light_samples=plan.light_samples,
+            gather_samples=plan.gather_samples if plan.interreflection else 0,
+            seed=seed ^ 0x5BD1E995,
+        )
+        moments.add(plan.columns.to_bands(samples.irradiance), samples.enclosed)
+
+    def _wanted(self) -> int:
+        """Replicates to do, as far as is known by now."""
+        options, done = self.options, self.replicates
+        out_of_time = options.time is not None and self._elapsed() >= options.time and done >= 2
+        if out_of_time or done >= MAX_REPLICATES:
+            return done
+        if done < options.replicates:
+            return options.replicates
+        reached = options.accuracy is not None and self.accuracy_reached
+        unbounded = options.accuracy is None and options.time is None
+        return done if unbounded or reached else done + 1
 
     def _elapsed(self) -> float:
         return time.perf_counter() - self._start
 
-    def _errors(self) -> NDArray[np.float64]:
-        if not self._slices:
-            return np.zeros(0)
-        return np.concatenate([self._readings(i, name).accuracy for i, name in enumerate(self._slices)])
-
-    def _readings(self, index: int, name: str) -> Readings:
-        part = self._slices[name]
-        return Readings(
-            sensor=name,
-            position=self._position[part],
-            normal=self._normal[part],
-            irradiance=self._spectra.mean[part],
-            half_width=self._spectra.half_width()[part],
-            illuminance=self._lux.mean[part],
-            illuminance_half_width=self._lux.half_width()[part],
-            mean_illuminance=float(self._sensor_lux.mean[index]),
-            mean_illuminance_half_width=float(self._sensor_lux.half_width()[index]),
-            enclosed=self._enclosed.mean[part],
-        )
-
-    def _state(self, stage: str, wanted: int) -> State:
-        errors = self._errors() if self._spectra.count >= 2 else np.zeros(0)
+    def _state(self, stage: str) -> State:
+        errors = self._readings.errors()
         history = self.record.convergence[-1].residual if self.record.convergence else (1.0,)
         return State(
             stage=stage,
-            replicate=self._spectra.count,
-            replicates=wanted,
+            replicate=self.replicates,
+            replicates=self._wanted(),
             seconds=self._elapsed(),
             error=float(errors.max()) if len(errors) else float("inf"),
             median_error=float(np.median(errors)) if len(errors) else float("inf"),
@@ -204,22 +267,13 @@ class RadiositySolver:
         return {
             "options": asdict(self.options),
             "device": self.device.description,
-            "replicates": self._spectra.count,
+            "replicates": self.replicates,
             "stage_seconds": dict(self.record.seconds),
             "solve_cpu_s": self.cpu_seconds,
-            "wall_s": self._elapsed(),
+            "wall_s": self._earlier_seconds + self._elapsed(),
             "rays": self.record.rays,
             "elements": 0 if self._surfaces is None else len(self._surfaces.elements),
             "interval_parts": ["sampling"],
             "defects_before_closure": [asdict(d) for d in self.record.defects],
             "solver": [asdict(c) for c in self.record.convergence],
         }
-
-
-def _stacked(parts: list[NDArray[np.float64]]) -> NDArray[np.float64]:
-    return np.concatenate(parts) if parts else np.zeros((0, 3))
-
-
-def _slices(sensors: tuple[Sensor, ...]) -> dict[str, slice]:
-    ends = np.cumsum([0] + [len(s.position) for s in sensors])
-    return {s.name: slice(int(ends[i]), int(ends[i + 1])) for i, s in enumerate(sensors)}

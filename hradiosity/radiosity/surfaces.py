@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,11 +39,13 @@ class Record:
 
     seconds : wall seconds of each stage
     rays : traced so far
+    stage : what is going on, or went on last
     defects, convergence : one a replicate
     """
 
     seconds: dict[str, float] = field(default_factory=dict)
     rays: int = 0
+    stage: str = ""
     defects: list[Defects] = field(default_factory=list)
     convergence: list[Convergence] = field(default_factory=list)
 
@@ -50,6 +53,7 @@ class Record:
     def timed(self, stage: str) -> Iterator[None]:
         """Add the wall seconds of a block to a stage."""
         start = time.perf_counter()
+        self.stage = stage
         try:
             yield
         finally:
@@ -137,6 +141,28 @@ class SurfaceSolver:
             space=self.space,
             exposed=self._exposed.mean,
         )
+
+    def checkpoint(self) -> dict[str, NDArray[Any]]:
+        """Everything that `restore` needs beside the constructor's arguments."""
+        kept: dict[str, NDArray[Any]] = {"links": self._links}
+        if self._deflation is not None:
+            kept["deflation"] = self._deflation
+        for name, moments in self._moments().items():
+            kept |= {f"{name}/{key}": array for key, array in moments.checkpoint().items()}
+        return kept
+
+    def restore(self, kept: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from a checkpoint, bit for bit."""
+        if not np.array_equal(kept["links"], self._links):
+            links = kept["links"]
+            self._cut(find_lit_sides(self.scene, self._bvh, seed=self.options.seed, known_links=links))
+            self._links = links
+        self._deflation = kept.get("deflation")
+        for name, moments in self._moments().items():
+            moments.restore({key: kept[f"{name}/{key}"] for key in ("count", "mean", "squares")})
+
+    def _moments(self) -> dict[str, RunningMoments]:
+        return {"indirect": self._indirect, "direct": self._direct, "exposed": self._exposed}
 
     def _trace(self, seed: int) -> RowHits:
         """Exchange rays; sides that only now turn out to be lit join, and the rays start again."""

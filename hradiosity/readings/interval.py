@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,6 +28,25 @@ class RunningMoments:
         change = sample - self.mean
         self.mean = self.mean + change / self.count
         self._sum_of_squares = self._sum_of_squares + change * (sample - self.mean)
+
+    def checkpoint(self) -> dict[str, NDArray[np.float64]]:
+        """Everything that `restore` needs; later samples do not change the arrays."""
+        return {"count": np.array(float(self.count)), "mean": self.mean, "squares": self._sum_of_squares}
+
+    def restore(self, kept: Mapping[str, NDArray[np.float64]]) -> None:
+        """Go on from a checkpoint, bit for bit.
+
+        Raises
+        ------
+        ValueError
+            When it belongs to arrays of another shape.
+        """
+        for name in ("mean", "squares"):
+            if kept[name].shape != self.mean.shape:
+                raise ValueError(f"{name} must have shape {self.mean.shape}, has {kept[name].shape}")
+        self.count = int(kept["count"])
+        self.mean = np.asarray(kept["mean"], np.float64)
+        self._sum_of_squares = np.asarray(kept["squares"], np.float64)
 
     @property
     def standard_error(self) -> NDArray[np.float64]:

@@ -1,0 +1,46 @@
+"""The account of a run as arrays, beside the moments that a checkpoint keeps."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.radiosity.surfaces import Record
+from hradiosity.solve.krylov import Convergence
+from hradiosity.transport.exchange import Defects
+
+
+def pack_record(record: Record, **numbers: float) -> NDArray[np.uint8]:
+    """A record and some more numbers as the bytes of a JSON text; floats keep their bits."""
+    text = json.dumps(
+        {
+            "seconds": record.seconds,
+            "rays": record.rays,
+            "defects": [asdict(d) for d in record.defects],
+            "convergence": [asdict(c) for c in record.convergence],
+            "numbers": numbers,
+        }
+    )
+    return np.frombuffer(text.encode(), np.uint8)
+
+
+def unpack_record(packed: NDArray[np.uint8]) -> tuple[Record, Mapping[str, float]]:
+    """The inverse of `pack_record`."""
+    found: dict[str, Any] = json.loads(packed.tobytes())
+    record = Record(
+        seconds=found["seconds"],
+        rays=found["rays"],
+        defects=[Defects(**d) for d in found["defects"]],
+        convergence=[Convergence(**(c | {"residual": tuple(c["residual"])})) for c in found["convergence"]],
+    )
+    return record, found["numbers"]
+
+
+def part_of(kept: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
+    """The entries ``prefix/name``, by name."""
+    return {key[len(prefix) + 1 :]: array for key, array in kept.items() if key.startswith(f"{prefix}/")}
