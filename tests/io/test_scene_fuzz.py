@@ -97,7 +97,7 @@ def test_the_whole_scene_is_valid(tmp_path):
     assert faults(tmp_path, written(SCENE)) == []
 
 
-@settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(place=st.sampled_from(places(SCENE)), value=VALUES)
 def test_any_value_anywhere(tmp_path, place, value):
     scene = copy.deepcopy(SCENE)
@@ -109,7 +109,7 @@ def test_any_value_anywhere(tmp_path, place, value):
         assert "scene.toml" in fault
 
 
-@settings(max_examples=30, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(max_examples=20, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(place=st.sampled_from(places(SCENE)))
 def test_anything_may_be_missing(tmp_path, place):
     scene = copy.deepcopy(SCENE)
