@@ -6,9 +6,21 @@
 
 #define HR_EMITTER_PARAMS                                                                     \
     __global const uint *emitter_patch,     /* (n_emitters,) HR_NONE: a point source       */ \
-    __global const float *emitter_position, /* (n_emitters, 3) [m], of a point source      */ \
+    __global const float *emitter_position, /* (n_emitters, 3) [m], centre                 */ \
+    __global const float *emitter_extent,   /* (n_emitters, 2) area [m^2], diameter [m]    */ \
     __global const uint *emitter_two_sided  /* (n_emitters,) 1: shines from its back too   */
-#define HR_EMITTER emitter_patch, emitter_position, emitter_two_sided
+#define HR_EMITTER emitter_patch, emitter_position, emitter_extent, emitter_two_sided
+
+/* Distance from the emitter, in its diameters, beyond which few samples of the kernel stand for the closed form. */
+#define HR_FAR 3.0f
+
+/* Area of an area emitter that is far from x, else 0. */
+inline float hr_far_area(const float3 x, const uint emitter, HR_EMITTER_PARAMS)
+{
+    const float2 extent = vload2(emitter, emitter_extent);
+    const float3 d = hr_load3(emitter_position, emitter) - x;
+    return dot(d, d) >= HR_FAR * HR_FAR * extent.y * extent.y ? extent.x : 0.0f;
+}
 
 /* Unit normal of the side of an emitting patch that looks at x; the front if only that shines. */
 inline float3 hr_emitter_normal(const uint patch, const uint two_sided, const float3 x, HR_PATCH_PARAMS)

@@ -15,7 +15,8 @@ __kernel void split_nodes(__global float *boxes,            /* (n_boxes, 8) [m],
     float8 bounds[8];
     uint begin[8];
     uint end[8];
-    const uint n = hr_split_node(boxes, names, node_range[2 * node], node_range[2 * node + 1], halve, bounds, begin, end);
+    const uint n = hr_split_node((__global float8 *)boxes, names, node_range[2 * node], node_range[2 * node + 1], halve,
+                                 bounds, begin, end);
     for (uint child = 0; child < 8u; child++) {
         const uint row = 8u * node + child;
         vstore8(child < n ? bounds[child] : hr_no_bounds(), row, child_bounds);

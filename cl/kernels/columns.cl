@@ -14,15 +14,18 @@ __kernel void apply_links(__global const uint *link_start,  /* (n_rows + 1,)    
     if (row >= n_items)
         return;
     float8 sum[HR_GROUPS];
+#pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
         sum[g] = (float8)(0.0f);
     const uint end = link_start[row + 1];
     for (uint l = link_start[row]; l < end; ++l) {
         const float value = link_value[l];
         const size_t source = (size_t)link_source[l] * HR_GROUPS;
+#pragma unroll
         for (uint g = 0; g < HR_GROUPS; ++g)
             sum[g] += value * vload8(source + g, columns);
     }
+#pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
         vstore8(sum[g], (size_t)row * HR_GROUPS + g, product);
 }
@@ -44,6 +47,7 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
     if (point >= n_items)
         return;
     float8 sum[HR_GROUPS];
+#pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
         sum[g] = (float8)(0.0f);
     for (uint k = 0; k < n_samples; ++k) {
@@ -56,6 +60,7 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
         const float2 gain = lit ? vload2(i, path_gain) : (float2)(0.0f);
         __global const float *last = HR_IS_ROW(row) ? reflected + (size_t)row * HR_GROUPS * 8 : sky;
         const float shines = HR_IS_ROW(row) || row == HR_SKY ? 1.0f : 0.0f;
+#pragma unroll
         for (uint g = 0; g < HR_GROUPS; ++g) {
             float8 arriving = shines * vload8(g, last);
             if (lit_again) {
@@ -69,6 +74,7 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
             sum[g] += arriving;
         }
     }
+#pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
         vstore8(sum[g] / (float)n_samples, (size_t)point * HR_GROUPS + g, irradiance);
 }

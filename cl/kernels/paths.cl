@@ -6,23 +6,23 @@
 
 #define HR_CANDIDATES 4u
 
-/* Factor of one drawn emitter at a surface point, over the probability that it is drawn, times visibility.
-   The point on the emitter is resampled from four stratified candidates by their weight, so that the open share is
-   that of the light which arrives and not of the area (resampled importance sampling, Talbot et al. 2005). */
-inline float hr_one_emitter(const float3 x, const float3 n, const uint own, const uint emitter, const float probability,
-                            const float3 numbers, const uint occlusion, const float scale, HR_EMITTER_PARAMS,
-                            HR_PATCH_PARAMS, HR_BVH_PARAMS)
+/* A point on an emitter, and the irradiance that it stands for if it is visible, for unit emission. */
+typedef struct {
+    float3 point;
+    float factor;
+} hr_lamp_point;
+
+/* Near an emitter: the point is resampled from four stratified candidates by their weight, so that it follows the
+   light that arrives and not the area (resampled importance sampling, Talbot et al. 2005); the factor is the closed
+   form. */
+inline hr_lamp_point hr_near_lamp_point(const float3 x, const float3 n, const uint emitter, const float3 numbers,
+                                        HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
 {
-    if (own == emitter_patch[emitter])
-        return 0.0f;
-    const float factor = hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
-    if (factor <= 0.0f)
-        return 0.0f;
-    if (!occlusion)
-        return factor / probability;
-    float3 y[HR_CANDIDATES];
-    float sum[HR_CANDIDATES];
+    hr_lamp_point lamp;
+    lamp.factor = hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
     float total = 0.0f;
+    float sum[HR_CANDIDATES];
+    float3 y[HR_CANDIDATES];
     for (uint c = 0; c < HR_CANDIDATES; ++c) {
         const float s = 0.5f * (numbers.x + (float)(c & 1u));
         const float t = 0.5f * (numbers.y + (float)(c >> 1));
@@ -30,14 +30,35 @@ inline float hr_one_emitter(const float3 x, const float3 n, const uint own, cons
         total += hr_emitter_weight(x, n, y[c], emitter, HR_EMITTER, HR_PATCH);
         sum[c] = total;
     }
-    if (total <= 0.0f)
-        return 0.0f;
     uint taken = 0;
     while (taken + 1 < HR_CANDIDATES && numbers.z * total >= sum[taken])
         ++taken;
+    lamp.point = y[taken];
+    lamp.factor = total > 0.0f ? lamp.factor : 0.0f;
+    return lamp;
+}
+
+/* Factor of one drawn emitter at a surface point on patch `own`, over the probability that it is drawn, times
+   visibility. */
+inline float hr_one_emitter(const float3 x, const float3 n, const uint own, const uint emitter, const float probability,
+                            const float3 numbers, const uint occlusion, const float scale, HR_EMITTER_PARAMS,
+                            HR_PATCH_PARAMS, HR_BVH_PARAMS)
+{
+    if (own == emitter_patch[emitter])
+        return 0.0f;
+    const float far_area = hr_far_area(x, emitter, HR_EMITTER);
+    hr_lamp_point lamp;
+    if (far_area > 0.0f) {
+        lamp.point = hr_emitter_point(emitter, numbers.x, numbers.y, HR_EMITTER, HR_PATCH);
+        lamp.factor = far_area * hr_emitter_weight(x, n, lamp.point, emitter, HR_EMITTER, HR_PATCH);
+    } else
+        lamp = hr_near_lamp_point(x, n, emitter, numbers, HR_EMITTER, HR_PATCH);
+    if (lamp.factor <= 0.0f)
+        return 0.0f;
     const float3 origin = hr_offset_origin(x, n, scale);
-    const int blocked = hr_any_hit(HR_BVH, origin, y[taken] - origin, 1.0f, own, emitter_patch[emitter]);
-    return blocked ? 0.0f : factor / probability;
+    if (occlusion && hr_any_hit(HR_BVH, origin, lamp.point - origin, 1.0f, own, emitter_patch[emitter]))
+        return 0.0f;
+    return lamp.factor / probability;
 }
 
 /* First entry of the ascending row of n sums that is greater than x. */

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hradiosity.device import Device
 from hradiosity.device.device import DeviceArray
@@ -70,12 +71,25 @@ def upload_scene(device: Device, scene: Scene, bvh: Bvh, *, occlusion: bool) -> 
         emitters={
             "emitter_patch": device.upload(np.where(lamps.patch < 0, NONE, lamps.patch), np.uint32),
             "emitter_position": device.upload(position),
+            "emitter_extent": device.upload(_emitter_extent(scene), np.float32),
             "emitter_two_sided": device.upload(two_sided[lamps.luminaire], np.uint32),
         },
         solid=device.upload(scene.patches.solid >= 0, np.uint32),
         n_emitters=len(lamps),
         occlusion=occlusion,
     )
+
+
+def _emitter_extent(scene: Scene) -> NDArray[np.float64]:
+    """(n_emitters, 2) area [m²] and diameter [m] of each emitter; 0 for a point source."""
+    lamps, patches = scene.emitters, scene.patches
+    extent = np.zeros((max(len(lamps), 1), 2))
+    flat = np.flatnonzero(lamps.patch >= 0)
+    patch = lamps.patch[flat]
+    corners = patches.corners()[patch]
+    extent[flat, 0] = patches.area[patch]
+    extent[flat, 1] = np.linalg.norm(corners[:, :, None] - corners[:, None, :], axis=-1).max(axis=(1, 2), initial=0.0)
+    return extent
 
 
 def upload_elements(device: Device, elements: Elements) -> DeviceElements:
