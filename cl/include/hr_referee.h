@@ -48,13 +48,50 @@ inline float hr_lamp_gain(const float3 x, const float3 n, const uint own, const 
     return hr_any_hit(HR_BVH, origin, y - origin, 1.0f, own, patch) ? 0.0f : gain;
 }
 
-/* First of n ascending sums that is greater than u; the last one if none is. */
-inline uint hr_draw_lamp(__global const float *sums, const uint n, const float u)
+/* About how much light of an emitter reaches x, from its power and a point in its middle; the tenth added to the cosines and the
+   size added to the distance keep it above 0 for all that can arrive. Only decides how often it is drawn. */
+inline float hr_lamp_guess(const float3 x, const float3 n, const uint emitter, __global const float *emitter_power,
+                           HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
 {
-    uint i = 0;
-    while (i + 1 < n && u >= sums[i])
-        ++i;
-    return i;
+    const uint patch = emitter_patch[emitter];
+    const float3 d = hr_emitter_point(emitter, 0.5f, 0.5f, HR_EMITTER, HR_PATCH) - x;
+    const float r2 = dot(d, d) + 1.0e-12f;
+    const float near = 1.0f / sqrt(r2);
+    const float arriving = emitter_power[emitter] * (fmax(dot(n, d) * near, 0.0f) + 0.1f);
+    if (patch == HR_NONE)
+        return arriving / r2;
+    const float leaving = -dot(hr_load3(patch_normal, patch), d) * near;
+    const float shining = emitter_two_sided[emitter] ? fabs(leaving) : fmax(leaving, 0.0f);
+    return arriving * (shining + 0.1f) / (r2 + hr_patch_area(patch, HR_PATCH));
+}
+
+/* Chance that hr_draw_lamp takes an emitter with that guess, of n whose guesses add up to `total`. */
+inline float hr_lamp_chance(const float guess, const float total, const uint n)
+{
+    return total > 0.0f ? 0.9f * guess / total + 0.1f / (float)n : 1.0f / (float)n;
+}
+
+/* Draws one of n emitters with the number u; `total` gets the sum of their guesses. */
+inline uint hr_draw_lamp(const float3 x, const float3 n, const uint n_emitters, float u, float *total,
+                         __global const float *emitter_power, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
+{
+    float sum = 0.0f;
+    uint drawn = 0;
+    float number = u / 0.9f;
+    for (uint e = 0; e < n_emitters; ++e) {
+        const float guess = hr_lamp_guess(x, n, e, emitter_power, HR_EMITTER, HR_PATCH);
+        sum += guess;
+        const float share = sum > 0.0f ? guess / sum : 0.0f;
+        /* A reservoir of one: what is left of the number decides about the next. */
+        const int taken = number < share;
+        drawn = taken ? e : drawn;
+        number = taken ? number / share : (number - share) / (1.0f - share);
+    }
+    *total = sum;
+    if (u < 0.9f && sum > 0.0f)
+        return drawn;
+    const float even = sum > 0.0f ? (u - 0.9f) * 10.0f : u;
+    return min((uint)(even * (float)n_emitters), n_emitters - 1);
 }
 
 /* Number `counter` of the stream that `seed` starts, in [0, 1). */

@@ -7,7 +7,7 @@
 #endif
 
 /* Paths up to this bounce end only where nothing is reflected. */
-#define HR_ROULETTE_FROM 2u
+#define HR_ROULETTE_FROM 1u
 
 /* Light that comes straight from each emitter: sums over samples first_sample ... first_sample + n_samples - 1. */
 __kernel void referee_direct(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
@@ -44,8 +44,7 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const uint *side_material,   /* (n_patches, 2) HR_NONE: black                */
                             __global const uint *patch_solid,     /* (n_patches,) 1: matter behind it             */
                             __global const uint *patch_emitter,   /* (n_patches,) HR_NONE: emits nothing          */
-                            __global const float *emitter_chance, /* (n_emitters,) of being drawn                 */
-                            __global const float *emitter_sum,    /* (n_emitters,) its sums                       */
+                            __global const float *emitter_power,  /* (n_emitters,) in any unit                    */
                             __global const float *reflectance,    /* (n_materials, 8 HR_GROUPS) [1]               */
                             __global const float *emission,       /* (n_emitters, 8 HR_GROUPS) [W m^-2], [W sr^-1] */
                             __global const float *sky,            /* (8 HR_GROUPS,) pi L [W m^-2]                 */
@@ -72,7 +71,7 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
         float3 x = hr_load3(position, point);
         float3 n = hr_load3(normal, point);
         uint own = HR_NONE;
-        float most = 1.0f;
+        float most = 1.0f, guesses = 0.0f;
         for (uint g = 0; g < HR_GROUPS; ++g)
             weight[g] = (float8)(1.0f);
         counts.w += 1.0f;
@@ -92,7 +91,10 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
             const uint met = patch_emitter[hit.patch];
             if (met != HR_NONE && (hit.side == HR_FRONT || emitter_two_sided[met])) {
                 const float gain = hr_balanced_gain(n, y - x, m, hr_patch_area(hit.patch, HR_PATCH),
-                                                    depth == 0 ? direct_chance : emitter_chance[met]);
+                                                    depth == 0 ? direct_chance
+                                                               : hr_lamp_chance(hr_lamp_guess(x, n, met, emitter_power,
+                                                                                              HR_EMITTER, HR_PATCH),
+                                                                                guesses, n_emitters));
                 for (uint g = 0; g < HR_GROUPS; ++g)
                     sum[g] += gain * weight[g] * vload8((size_t)met * HR_GROUPS + g, emission);
             }
@@ -126,8 +128,10 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
             own = hit.patch;
             if (n_emitters == 0)
                 continue;
-            const uint lamp = hr_draw_lamp(emitter_sum, n_emitters, hr_path_number(k, depth, 4, path_seed));
-            const float gain = hr_lamp_gain(x, n, own, lamp, emitter_chance[lamp],
+            const uint lamp = hr_draw_lamp(x, n, n_emitters, hr_path_number(k, depth, 4, path_seed), &guesses,
+                                           emitter_power, HR_EMITTER, HR_PATCH);
+            const float guess = hr_lamp_guess(x, n, lamp, emitter_power, HR_EMITTER, HR_PATCH);
+            const float gain = hr_lamp_gain(x, n, own, lamp, hr_lamp_chance(guess, guesses, n_emitters),
                                             hr_path_number(k, depth, 2, path_seed),
                                             hr_path_number(k, depth, 3, path_seed), scale, HR_EMITTER, HR_PATCH,
                                             HR_BVH);

@@ -20,8 +20,6 @@ SCRAMBLES = 16
 """Independent randomisations of the paths; their spread gives the standard error."""
 DEPTH_LIMIT = 4096
 """Bounces after which a path is given up, and its weight reported."""
-EVEN_SHARE = 0.2
-"""Part of the chance to be drawn that all emitters have alike, whatever their power."""
 ROUND_PATHS = 1 << 19
 """Paths of one round, about; less than a second of work."""
 MIN_ITEMS = 1024
@@ -115,7 +113,6 @@ def prepare_referee(on_device: DeviceScene, scene: Scene) -> RefereeScene:
     patch_emitter[lamps.patch[area_lamps]] = area_lamps
     emission = _padded(_emission(scene))
     sky = np.zeros(len(scene.bands)) if scene.sky is None else np.pi * scene.sky.radiance
-    chance = _chances(scene)
     device = on_device.device
     return RefereeScene(
         scene=on_device,
@@ -123,8 +120,7 @@ def prepare_referee(on_device: DeviceScene, scene: Scene) -> RefereeScene:
             "side_material": device.upload(_side_materials(scene)),
             "patch_solid": on_device.solid,
             "patch_emitter": device.upload(patch_emitter),
-            "emitter_chance": device.upload(chance, np.float32),
-            "emitter_sum": device.upload(np.cumsum(chance), np.float32),
+            "emitter_power": device.upload(_relative_power(scene), np.float32),
             "reflectance": device.upload(_padded(scene.reflectance)),
             "emission": device.upload(emission),
             "sky": device.upload(_padded(sky)),
@@ -320,7 +316,9 @@ def _trace_direct(
         scale=scene.scale,
     )
     mean = scene.device.fetch(direct).astype(np.float64) * (n_paths / n_samples)
-    return np.einsum("xse,eb->xsb", mean, referee.emission[:, : referee.n_bands].astype(np.float64))
+    emission = referee.emission[:, : referee.n_bands].astype(np.float64)
+    light: NDArray[np.float64] = np.einsum("xse,eb->xsb", mean, emission)
+    return light
 
 
 def _emission(scene: Scene) -> NDArray[np.float64]:
@@ -330,15 +328,13 @@ def _emission(scene: Scene) -> NDArray[np.float64]:
     return table[scene.emitters.luminaire]
 
 
-def _chances(scene: Scene) -> NDArray[np.float64]:
-    """(n_emitters,) chance to be drawn at a hit: by power, with a part that all have alike."""
-    n = len(scene.emitters)
+def _relative_power(scene: Scene) -> NDArray[np.float64]:
+    """(n_emitters,) mean exitance times area, or π times mean intensity, over the largest of them."""
     is_area = scene.emitters.patch != NONE
-    size = np.full(n, 4.0 * np.pi)
+    size = np.full(len(scene.emitters), np.pi)
     size[is_area] = scene.patches.area[scene.emitters.patch[is_area]]
-    power = _emission(scene).mean(axis=1) * size
-    total = float(power.sum())
-    return (1.0 - EVEN_SHARE) * power / total + EVEN_SHARE / n if total > 0.0 else np.full(n, 1.0 / max(n, 1))
+    power: NDArray[np.float64] = _emission(scene).mean(axis=1) * size
+    return power / max(float(power.max(initial=0.0)), np.finfo(np.float64).tiny)
 
 
 def _side_materials(scene: Scene) -> NDArray[np.uint32]:
