@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -80,6 +80,6 @@ class Bvh:
             "patch_kind": patches.kind,
         }
 
-    def to_local(self, points: NDArray[np.float64]) -> NDArray[np.float32]:
+    def to_local(self, points: NDArray[np.floating[Any]]) -> NDArray[np.float32]:
         """World coordinates (…, 3) [m] as kernels want them: relative to `local_origin`, float32."""
         return (np.asarray(points, np.float64) - self.local_origin).astype(np.float32)

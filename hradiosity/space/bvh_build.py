@@ -81,7 +81,7 @@ def _triangles(patches: Patches, local_origin: NDArray[np.float64]) -> _Triangle
     name = np.concatenate([2 * np.arange(len(patches)), 2 * second + 1]).astype(np.uint32)
     exact = both.astype(np.float64)
     cross = np.cross(exact[:, 1] - exact[:, 0], exact[:, 2] - exact[:, 0])
-    kept = np.any(cross != 0.0, axis=1)
+    kept = (cross[:, 0] != 0.0) | (cross[:, 1] != 0.0) | (cross[:, 2] != 0.0)
     return _Triangles(both[kept], name[kept])
 
 
@@ -89,8 +89,9 @@ def _split(device: Device, triangles: _Triangles) -> tuple[list[_Level], NDArray
     """Levels from the root down, and the triangles' numbers in the order that the ranges refer to."""
     n = len(triangles.name)
     host_boxes = np.zeros((n, 8), np.float32)
-    host_boxes[:, 0:3] = triangles.corners.min(axis=1)
-    host_boxes[:, 4:7] = -triangles.corners.max(axis=1)
+    a, b, c = triangles.corners.transpose(1, 0, 2)
+    host_boxes[:, 0:3] = np.minimum(np.minimum(a, b), c)
+    host_boxes[:, 4:7] = -np.maximum(np.maximum(a, b), c)
     boxes = device.upload(host_boxes)
     order = device.upload(np.arange(n, dtype=np.uint32))
     split_nodes = device.kernel("bvh_build", "split_nodes")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -31,8 +32,8 @@ class Hits:
 
 def trace_closest(
     bvh: Bvh,
-    origins: NDArray[np.float64],
-    directions: NDArray[np.float64],
+    origins: NDArray[np.floating[Any]],
+    directions: NDArray[np.floating[Any]],
     t_max: ArrayLike = np.inf,
     skip_patch: ArrayLike | None = None,
 ) -> Hits:
@@ -41,8 +42,8 @@ def trace_closest(
     Parameters
     ----------
     bvh : Bvh
-    origins : (n, 3) float64 [m], world
-    directions : (n, 3) float64, of any length but 0
+    origins : (n, 3) [m], world; float64 keeps what is far from the world's origin exact
+    directions : (n, 3) of any length but 0
     t_max : scalar or (n,), in lengths of the direction
     skip_patch : scalar or (n,) int, optional
         Patch that a ray passes through; NONE (-1) for none.
@@ -82,8 +83,8 @@ def trace_closest(
 
 def trace_any(
     bvh: Bvh,
-    origins: NDArray[np.float64],
-    directions: NDArray[np.float64],
+    origins: NDArray[np.floating[Any]],
+    directions: NDArray[np.floating[Any]],
     t_max: ArrayLike = np.inf,
     skip_patch: ArrayLike | None = None,
     skip_other: ArrayLike | None = None,
@@ -110,7 +111,7 @@ def trace_any(
     return device.fetch(is_hit)[:n].astype(np.bool_)
 
 
-def _number_of_rays(origins: NDArray[np.float64], directions: NDArray[np.float64]) -> int:
+def _number_of_rays(origins: NDArray[np.floating[Any]], directions: NDArray[np.floating[Any]]) -> int:
     n = len(origins)
     if np.shape(origins) != (n, 3) or np.shape(directions) != (n, 3):
         raise ValueError(
