@@ -1,11 +1,14 @@
 """Runs one expression of device functions over arrays."""
 
+from weakref import WeakKeyDictionary
+
 import numpy as np
 
 from hradiosity.device import Device, load_source
 
 _TYPES = {"float32": "float", "float64": "double", "uint32": "uint", "int32": "int"}
 _NUMPY = {name: np.dtype(dtype) for dtype, name in _TYPES.items()}
+_built = WeakKeyDictionary()
 
 
 def device_call(device: Device, header: str, expression: str, result: str = "float", /, *, definitions=None, **arrays):
@@ -18,7 +21,8 @@ def device_call(device: Device, header: str, expression: str, result: str = "flo
     result : its type: ``"float"``, ``"uint"``, ``"float3"``, …, up to 8 wide
     definitions : dict of str to int or str, passed as ``-DNAME=value``
     **arrays : (n,) as scalars, (n, w) as vectors w wide, of float32, float64, uint32 or int32; Python's own float64
-        rows are passed as double, so convert where the function takes float
+        rows are passed as double, so convert where the function takes float; the expression may also use the whole
+        array, as the pointer ``in_`` + name, and the row number ``i``
 
     Returns
     -------
@@ -31,7 +35,10 @@ def device_call(device: Device, header: str, expression: str, result: str = "flo
     text = load_source((f"include/{header}",)) + _kernel_text(expression, base, width, arrays)
     output = device.empty((n, width) if width > 1 else (n,), _NUMPY[base])
     inputs = {f"in_{name}": device.upload(array) for name, array in arrays.items()}
-    device.kernel_from_text(text, "call_expression", **(definitions or {}))(n, out=output, **inputs)
+    kernels, key = _built.setdefault(device, {}), (text, *sorted((definitions or {}).items()))
+    if key not in kernels:
+        kernels[key] = device.kernel_from_text(text, "call_expression", **(definitions or {}))
+    kernels[key](n, out=output, **inputs)
     return device.fetch(output)
 
 

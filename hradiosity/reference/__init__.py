@@ -1,1 +1,1 @@
-"""Slow float64 twins and closed forms, for tests and examples only."""
+"""Slow float64 twins and closed forms, for tests and validation only."""
