@@ -110,15 +110,21 @@ inline float hr_area_rule(const float3 n, const float3 r0, const float3 eu, cons
     return sum * sqrt(dot(cr, cr));
 }
 
+/* Heights above a plane below this share of the coordinates are rounding. */
+#define HR_ON_PLANE 0x1p-21f
+
 /* Form factor of the point x with unit normal n to one side of a patch, without obstacles. m: unit normal of that
    side. Chooses between Lambert's formula and the area rule by distance over size: the closed form loses all digits
-   for small far polygons and for ones nearly in the receiver's plane. [1] */
+   for small far polygons and for ones nearly in the receiver's plane. A point on the patch itself receives nothing
+   from it; without a tolerance, rounding would decide between that and everything. [1] */
 inline float hr_point_to_patch(const float3 x, const float3 n, const uint patch, const float3 m, HR_PATCH_PARAMS)
 {
     const float3 eu = hr_load3(patch_edge_u, patch);
     const float3 ev = hr_load3(patch_edge_v, patch);
     const float3 r0 = hr_load3(patch_origin, patch) - x;
-    if (dot(m, r0) >= 0.0f)
+    const float3 reach = fmax(fabs(x), fabs(r0));
+    const float rounding = HR_ON_PLANE * fmax(fmax(reach.x, reach.y), reach.z);
+    if (-dot(m, r0) <= rounding)
         return 0.0f;
     const uint triangle = patch_kind[patch];
     const float3 diagonal = triangle ? ev - eu : eu + ev;
@@ -132,7 +138,7 @@ inline float hr_point_to_patch(const float3 x, const float3 n, const uint patch,
     const float highest = fmax(fmax(dot(n, r[0]), dot(n, r[1])), fmax(dot(n, r[2]), dot(n, r[3])));
     if (highest <= 0.0f)
         return 0.0f;
-    if (lowest >= 0.0f) {
+    if (lowest >= -rounding) {
         if (distance2 >= 9.0f * size2)
             return hr_area_rule(n, r0, eu, ev, m, triangle, distance2 >= 256.0f * size2 ? 2 : 3);
         const float exact = hr_visible_polygon_factor(n, r, e, count);
