@@ -1,0 +1,153 @@
+"""Errors and cost of the solver on a scene, against unbiased paths: ``python -m hradiosity.suites.accuracy SCENE``."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from hradiosity.device import Device
+from hradiosity.io.scene_toml import load_scene
+from hradiosity.model.scene import Scene
+from hradiosity.options import Options
+from hradiosity.radiosity import RadiositySolver
+from hradiosity.radiosity.referee import RefereeState
+from hradiosity.readings.interval import student_quantile
+from hradiosity.readings.paths import SCRAMBLES
+from hradiosity.solution import Readings
+from hradiosity.suites.compare import Comparison, compare
+from hradiosity.suites.referee_cache import referee_readings
+
+
+@dataclass(frozen=True)
+class Setting:
+    """How finely to solve.
+
+    size : edge of a row element over the one that the plan chooses
+    samples : rays and paths over the usual ones
+    """
+
+    size: float
+    samples: float
+
+
+SETTINGS = {"draft": Setting(2.0, 0.25), "normal": Setting(1.0, 1.0), "fine": Setting(0.5, 4.0)}
+
+
+@dataclass(frozen=True)
+class Outcome:
+    """What one setting gave.
+
+    rays : traced by the solver
+    cpu_seconds, wall_seconds : from the ray structure to the last reading
+    """
+
+    setting: str
+    elements: int
+    rays: int
+    cpu_seconds: float
+    wall_seconds: float
+    error: Comparison
+
+
+def options_of(setting: Setting, element_size: float, seed: int = 0) -> Options:
+    """Options of a run at a setting, in a scene for which the plan chooses `element_size` [m]."""
+    usual = Options()
+    return Options(
+        element_size=element_size * setting.size,
+        rays_per_element=max(64, int(usual.rays_per_element * setting.samples)),
+        light_points=max(8, int(usual.light_points * setting.samples)),
+        light_samples=max(8, int(usual.light_samples * setting.samples)),
+        gather_samples=max(64, int(usual.gather_samples * setting.samples)),
+        seed=seed,
+    )
+
+
+def measure(
+    scene: Scene, device: Device, name: str, reference: Mapping[str, Readings], *, seed: int = 0
+) -> Outcome:
+    """Solve at the setting `name` and compare with the reference."""
+    size = RadiositySolver(scene, Options(), device).plan.element_size
+    solver = RadiositySolver(scene, options_of(SETTINGS[name], size, seed), device)
+    wall = 0.0
+    for state in solver.states():
+        wall = state.seconds
+    solution = solver.solution()
+    return Outcome(
+        setting=name,
+        elements=len(solution.elements),
+        rays=int(solution.record["rays"]),
+        cpu_seconds=solver.cpu_seconds,
+        wall_seconds=wall,
+        error=compare(solution.readings, reference, quantile=student_quantile(0.95, SCRAMBLES - 1)),
+    )
+
+
+HEADER = (
+    f"{'setting':>8} {'elements':>8} {'Mrays':>7} {'CPU s':>7} {'wall s':>7} "
+    f"{'spectral':>8} {'lx rms':>8} {'lx 95%':>8} {'lx max':>8} {'bias':>8} {'covered':>7}"
+)
+
+
+def line(outcome: Outcome) -> str:
+    """One row of the table; errors in percent."""
+    error = outcome.error
+    percent = (error.spectral_rms, error.illuminance_rms, error.illuminance_p95, error.illuminance_max, error.bias)
+    return (
+        f"{outcome.setting:>8} {outcome.elements:8d} {outcome.rays / 1e6:7.2f} {outcome.cpu_seconds:7.2f} "
+        f"{outcome.wall_seconds:7.2f} " + " ".join(f"{100.0 * p:8.3f}" for p in percent) + f" {error.covered:7.3f}"
+    )
+
+
+def main() -> None:
+    """Print the table."""
+    options = _arguments()
+    scene, device = load_scene(options.scene), Device()
+    reference = referee_readings(scene, device, options.paths, cache=options.cache, progress=_show)
+    sys.stderr.write("\n")
+    measure(scene, device, "draft", reference)
+    print(f"{scene.name}: {sum(len(s.position) for s in scene.sensors)} readings; errors in %")
+    print(HEADER)
+    outcomes = []
+    for name in options.settings:
+        outcomes.append(measure(scene, device, name, reference))
+        print(line(outcomes[-1]), flush=True)
+    noise = outcomes[-1].error
+    print(
+        f"noise of the reference: {100 * noise.reference_spectral_rms:.3f} spectral, "
+        f"{100 * noise.reference_illuminance_rms:.3f} illuminance"
+    )
+    if options.json:
+        options.json.write_text(json.dumps([asdict(o) for o in outcomes], indent=2) + "\n", encoding="utf-8")
+
+
+def _arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
+    parser.add_argument("scene", type=Path, help="a scene folder or file")
+    parser.add_argument("--paths", type=int, default=16384, help="of the referee, from each reading")
+    parser.add_argument("--cache", type=Path, help=".npz file that keeps the referee's readings")
+    parser.add_argument("--settings", type=_settings, default=list(SETTINGS), help="draft,normal,fine")
+    parser.add_argument("--json", type=Path, help="write the figures there as well")
+    return parser.parse_args()
+
+
+def _settings(text: str) -> list[str]:
+    names = text.split(",")
+    unknown = [name for name in names if name not in SETTINGS]
+    if unknown:
+        raise argparse.ArgumentTypeError(f"{', '.join(unknown)}: not among {', '.join(SETTINGS)}")
+    return names
+
+
+def _show(state: RefereeState) -> None:
+    sys.stderr.write(
+        f"\rreferee: {state.paths} of {state.wanted} paths, {state.cpu_seconds:.0f} CPU s, "
+        f"median half width {100 * state.median_error:.2f} %"
+    )
+
+
+if __name__ == "__main__":
+    main()

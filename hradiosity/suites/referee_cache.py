@@ -1,0 +1,104 @@
+"""Keeps the referee's readings of a scene in a file, since they take long and do not change."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from hradiosity.device import Device
+from hradiosity.model.scene import Scene
+from hradiosity.radiosity.referee import Referee, RefereeState
+from hradiosity.readings.moments import ReadingMoments
+from hradiosity.readings.paths import RefereeSamples
+from hradiosity.solution import Readings
+
+
+def referee_readings(
+    scene: Scene,
+    device: Device,
+    paths: int,
+    *,
+    seed: int = 0,
+    cache: Path | None = None,
+    progress: Callable[[RefereeState], None] | None = None,
+) -> dict[str, Readings]:
+    """Unbiased readings by sensor name, from the cache if it holds as many paths of the same scene and seed.
+
+    Parameters
+    ----------
+    paths : int
+        From each reading.
+    cache : Path, optional
+        An ``.npz`` file, read and written; a KeyboardInterrupt writes what was reached, and goes on to the caller.
+    progress : callable, optional
+        Called after each round.
+    """
+    digest = scene_digest(scene)
+    kept = _load(cache, digest, seed, paths) if cache is not None else None
+    if kept is None:
+        referee = Referee(scene, device, paths, seed)
+        traced = False
+        try:
+            for state in referee.states():
+                traced = True
+                if progress is not None:
+                    progress(state)
+        finally:
+            if cache is not None and traced:
+                _save(cache, digest, seed, referee.samples())
+        kept = referee.samples()
+    moments = ReadingMoments(scene.sensors, scene.bands)
+    for spectra in kept.per_scramble:
+        moments.add(spectra, kept.enclosed)
+    return moments.readings()
+
+
+def scene_digest(scene: Scene) -> str:
+    """Hexadecimal digits that change when anything that light depends on does."""
+    digest = hashlib.sha256()
+    patches, emitters = scene.patches, scene.emitters
+    arrays = [patches.origin, patches.edge_u, patches.edge_v, patches.is_triangle, patches.material, patches.solid]
+    arrays += [emitters.patch, emitters.position, emitters.luminaire, scene.bands.lower, scene.bands.upper]
+    arrays += [scene.reflectance, np.array([m.two_sided for m in scene.materials], bool)]
+    for lamp in scene.luminaires:
+        arrays += [lamp.exitance, lamp.intensity, np.array([lamp.two_sided])]
+    for sensor in scene.sensors:
+        arrays += [np.frombuffer(sensor.name.encode(), np.uint8), sensor.position, sensor.normal]
+    if scene.sky is not None:
+        arrays.append(scene.sky.radiance)
+    for array in arrays:
+        digest.update(str(array.shape).encode())
+        digest.update(np.ascontiguousarray(array).tobytes())
+    return digest.hexdigest()
+
+
+def _save(path: Path, digest: str, seed: int, samples: RefereeSamples) -> None:
+    np.savez(
+        path,
+        digest=digest,
+        seed=seed,
+        paths=samples.paths,
+        rays=samples.rays,
+        lost_weight=samples.lost_weight,
+        per_scramble=samples.per_scramble,
+        enclosed=samples.enclosed,
+    )
+
+
+def _load(path: Path, digest: str, seed: int, paths: int) -> RefereeSamples | None:
+    """What the file holds; None when there is none, or it is of another scene or seed, or of fewer paths."""
+    if not path.is_file():
+        return None
+    with np.load(path, allow_pickle=False) as kept:
+        if str(kept["digest"]) != digest or int(kept["seed"]) != seed or int(kept["paths"]) < paths:
+            return None
+        return RefereeSamples(
+            per_scramble=kept["per_scramble"],
+            enclosed=kept["enclosed"],
+            paths=int(kept["paths"]),
+            lost_weight=float(kept["lost_weight"]),
+            rays=int(kept["rays"]),
+        )
