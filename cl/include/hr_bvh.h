@@ -65,20 +65,19 @@ typedef struct {
     float shear_x, shear_y, shear_z;
 } hr_ray;
 
-HR_FORCE_INLINE hr_ray hr_prepare_ray(float3 origin, float3 direction)
+HR_FORCE_INLINE void hr_prepare_ray(float3 origin, float3 direction, hr_ray *ray)
 {
-    hr_ray ray;
     const float step = 0x1p-20f * hr_largest_magnitude(origin);
-    ray.reciprocal.x = hr_finite_reciprocal(direction.x);
-    ray.reciprocal.y = hr_finite_reciprocal(direction.y);
-    ray.reciprocal.z = hr_finite_reciprocal(direction.z);
-    const int3 backward = ray.reciprocal < 0.0f;
+    ray->reciprocal.x = hr_finite_reciprocal(direction.x);
+    ray->reciprocal.y = hr_finite_reciprocal(direction.y);
+    ray->reciprocal.z = hr_finite_reciprocal(direction.z);
+    const int3 backward = ray->reciprocal < 0.0f;
     const float3 forward_step = backward ? (float3)(-step) : (float3)(step);
-    ray.near_origin = origin + forward_step;
-    ray.far_origin = origin - forward_step;
-    ray.near_x = backward.x ? 1u : 0u;
-    ray.near_y = backward.y ? 3u : 2u;
-    ray.near_z = backward.z ? 5u : 4u;
+    ray->near_origin = origin + forward_step;
+    ray->far_origin = origin - forward_step;
+    ray->near_x = backward.x ? 1u : 0u;
+    ray->near_y = backward.y ? 3u : 2u;
+    ray->near_z = backward.z ? 5u : 4u;
 
     /* The axis along which the direction is longest becomes z; the other two keep the triangles' winding. */
     const uint z = hr_main_axis(direction);
@@ -87,16 +86,15 @@ HR_FORCE_INLINE hr_ray hr_prepare_ray(float3 origin, float3 direction)
     const uint last = 3u - z - next;
     const uint x = length < 0.0f ? last : next;
     const uint y = length < 0.0f ? next : last;
-    ray.x = 3u * x;
-    ray.y = 3u * y;
-    ray.z = 3u * z;
-    ray.origin_x = hr_component(origin, x);
-    ray.origin_y = hr_component(origin, y);
-    ray.origin_z = hr_component(origin, z);
-    ray.shear_x = hr_component(direction, x) / length;
-    ray.shear_y = hr_component(direction, y) / length;
-    ray.shear_z = 1.0f / length;
-    return ray;
+    ray->x = 3u * x;
+    ray->y = 3u * y;
+    ray->z = 3u * z;
+    ray->origin_x = hr_component(origin, x);
+    ray->origin_y = hr_component(origin, y);
+    ray->origin_z = hr_component(origin, z);
+    ray->shear_x = hr_component(direction, x) / length;
+    ray->shear_y = hr_component(direction, y) / length;
+    ray->shear_z = 1.0f / length;
 }
 
 /* Which of a node's 8 boxes the ray meets in [0, t_max], and from where on. */
@@ -210,16 +208,22 @@ HR_FORCE_INLINE ulong hr_visit_node(__global const float8 *node, const hr_ray *r
     return next;
 }
 
-/* The traversal. any_hit is a constant at each of its two calls. */
-HR_FORCE_INLINE hr_hit hr_traverse(HR_BVH_PARAMS, float3 origin, float3 direction, float t_max, uint skip_a,
-                                   uint skip_b, const int any_hit)
+/* The traversal. any_hit is a constant at each of its two calls. *best becomes the nearest hit, or with any_hit the
+   first one found. */
+HR_FORCE_INLINE void hr_traverse(HR_BVH_PARAMS, float3 origin, float3 direction, float t_max, uint skip_a,
+                                 uint skip_b, const int any_hit, hr_hit *best)
 {
-    hr_hit best = {HR_NONE, 0u, INFINITY, 0.0f, 0.0f};
+    best->patch = HR_NONE;
+    best->side = 0u;
+    best->t = INFINITY;
+    best->u = 0.0f;
+    best->v = 0.0f;
     if (!(t_max > 0.0f))
-        return best;
+        return;
     /* t_max is exclusive; everything inside compares with the largest number below it. */
-    best.t = as_float(as_uint(t_max) - 1u);
-    const hr_ray ray = hr_prepare_ray(origin, direction);
+    best->t = as_float(as_uint(t_max) - 1u);
+    hr_ray ray;
+    hr_prepare_ray(origin, direction, &ray);
     ulong stack[HR_BVH_STACK];
     uint height = 0u;
     ulong entry = 0ul; /* the root */
@@ -227,21 +231,21 @@ HR_FORCE_INLINE hr_hit hr_traverse(HR_BVH_PARAMS, float3 origin, float3 directio
         const uint reference = (uint)entry;
         if (reference & HR_BVH_LEAF) {
             hr_visit_leaf((__global const float8 *)bvh_leaves + HR_BVH_LEAF_ROWS * (reference & ~HR_BVH_LEAF), &ray,
-                          skip_a, skip_b, &best);
-            if (any_hit && best.patch != HR_NONE)
-                return best;
+                          skip_a, skip_b, best);
+            if (any_hit && best->patch != HR_NONE)
+                return;
             entry = HR_BVH_NOTHING;
         } else {
-            entry = hr_visit_node((__global const float8 *)bvh_nodes + HR_BVH_NODE_ROWS * reference, &ray, best.t,
+            entry = hr_visit_node((__global const float8 *)bvh_nodes + HR_BVH_NODE_ROWS * reference, &ray, best->t,
                                   any_hit, stack, &height);
         }
         while (entry == HR_BVH_NOTHING) {
             if (height == 0u) {
-                best.t = best.patch == HR_NONE ? INFINITY : best.t;
-                return best;
+                best->t = best->patch == HR_NONE ? INFINITY : best->t;
+                return;
             }
             const ulong top = stack[--height];
-            if (any_hit || as_float((uint)(top >> 32)) <= best.t)
+            if (any_hit || as_float((uint)(top >> 32)) <= best->t)
                 entry = top;
         }
     }
@@ -250,13 +254,17 @@ HR_FORCE_INLINE hr_hit hr_traverse(HR_BVH_PARAMS, float3 origin, float3 directio
 /* First patch that the ray meets in (0, t_max), skip_patch left out (HR_NONE: none). */
 HR_NO_INLINE hr_hit hr_closest_hit(HR_BVH_PARAMS, float3 origin, float3 direction, float t_max, uint skip_patch)
 {
-    return hr_traverse(HR_BVH, origin, direction, t_max, skip_patch, HR_NONE, 0);
+    hr_hit hit;
+    hr_traverse(HR_BVH, origin, direction, t_max, skip_patch, HR_NONE, 0, &hit);
+    return hit;
 }
 
 /* 1 if the ray meets anything in (0, t_max), the patches skip_a and skip_b left out (HR_NONE: none). */
 HR_NO_INLINE int hr_any_hit(HR_BVH_PARAMS, float3 origin, float3 direction, float t_max, uint skip_a, uint skip_b)
 {
-    return hr_traverse(HR_BVH, origin, direction, t_max, skip_a, skip_b, 1).patch != HR_NONE;
+    hr_hit hit;
+    hr_traverse(HR_BVH, origin, direction, t_max, skip_a, skip_b, 1, &hit);
+    return hit.patch != HR_NONE;
 }
 
 #endif

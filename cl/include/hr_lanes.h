@@ -46,11 +46,16 @@ HR_FORCE_INLINE float8 hr_smaller8(float8 a, float8 b)
     return a < b ? a : b;
 }
 
-/* One bit for each true lane. The compilers for x86 have an instruction that no portable expression becomes;
-   with it rays are 15 to 20 % faster. HR_PORTABLE_LANES asks for the portable form all the same. */
+/* x86 has instructions for the next two that no portable expression becomes; with them rays are 15 to 20 % faster.
+   HR_PORTABLE_LANES asks for the portable forms all the same. */
+#if defined(__AVX__) && defined(__clang__) && !defined(HR_PORTABLE_LANES)
+#define HR_X86_LANES
+#endif
+
+/* One bit for each true lane. */
 HR_FORCE_INLINE uint hr_lanes(int8 truth)
 {
-#if defined(__AVX__) && defined(__clang__) && !defined(HR_PORTABLE_LANES)
+#ifdef HR_X86_LANES
     return (uint)__builtin_ia32_movmskps256(as_float8(truth));
 #else
     const int8 bits = truth & (int8)(1, 2, 4, 8, 16, 32, 64, 128);
@@ -64,7 +69,7 @@ HR_FORCE_INLINE uint hr_lanes(int8 truth)
    (Leiserson, Prokop, Randall 1998); the constant holds the numbers in the order of the hash. */
 HR_FORCE_INLINE uint hr_lowest_bit(uint bits)
 {
-#if defined(__clang__) && !defined(HR_PORTABLE_LANES)
+#ifdef HR_X86_LANES
     return (uint)__builtin_ctz(bits);
 #else
     const uint hash = (((bits & (0u - bits)) * 0x1Du) >> 5) & 7u;

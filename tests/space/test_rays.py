@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from device_call import device_call
 from ray_scenes import box, brute_force, from_triangles, make_patches, random_patches, sphere_triangles
 from scipy.spatial.transform import Rotation
 
@@ -165,6 +166,34 @@ def test_hits_do_not_depend_on_the_frame(device):
     hit = same & (here.patch != NONE)
     np.testing.assert_array_equal(here.side[hit], there.side[hit])
     assert np.quantile(np.abs(here.t[hit] - there.t[hit]), 0.99) < 5e-6
+
+
+def test_offset_origins_do_not_meet_their_own_patch(device):
+    """Points rounded to float32 and moved off their patch: no ray into the half space in front comes back to it."""
+    rng = np.random.default_rng(9)
+    patches = random_patches(rng, 300)
+    bvh = build_bvh(device, patches)
+    patch = rng.integers(300, size=40_000)
+    u, v = 0.5 * rng.random((2, len(patch), 1))
+    points = bvh.to_local(patches.origin[patch] + u * patches.edge_u[patch] + v * patches.edge_v[patch])
+    normal = patches.normal[patch].astype(np.float32)
+    scale = np.full(len(patch), bvh.scale, np.float32)
+    off = device_call(device, "hr_bvh.h", "hr_offset_origin(p, n, scale)", "float3", p=points, n=normal, scale=scale)
+    directions = rng.normal(size=off.shape)
+    directions *= np.sign((directions * patches.normal[patch]).sum(axis=1, keepdims=True))
+    hits = trace_closest(bvh, off + bvh.local_origin, directions)
+    assert not (hits.patch == patch).any()
+
+
+@pytest.mark.oclgrind
+def test_a_few_rays_for_the_memory_checker(device):
+    rng = np.random.default_rng(0)
+    patches = random_patches(rng, 60)
+    bvh = build_bvh(device, patches)
+    origins, directions = random_rays(rng, 64)
+    hits = trace_closest(bvh, origins, directions)
+    np.testing.assert_array_equal(hits.patch, brute_force(patches, origins, directions)[0])
+    np.testing.assert_array_equal(trace_any(bvh, origins, directions), hits.patch != NONE)
 
 
 def test_rays_without_direction_or_number_miss(device):
