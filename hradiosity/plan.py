@@ -23,6 +23,11 @@ class Effect:
     because: str
     saved_seconds: float = 0.0
 
+    def line(self, width: int = 0) -> str:
+        """The effect in words, its name padded to `width`."""
+        saved = f" (saves about {self.saved_seconds:.2g} s)" if self.saved_seconds > 0 else ""
+        return f"{self.name:<{width}}  {'computed' if self.needed else 'left out'}  {self.because}{saved}"
+
 
 @dataclass(frozen=True)
 class SpectralColumns:
@@ -98,7 +103,7 @@ class Plan:
     occlusion : whether shadow rays are traced
     interreflection : whether reflected light is computed
     memory_bytes : estimated peak of the device arrays
-    seconds : expected CPU seconds; None when the device was never measured
+    seconds : expected wall seconds; None when the device was never measured
     """
 
     effects: tuple[Effect, ...]
@@ -121,17 +126,14 @@ class Plan:
 
     def lines(self) -> list[str]:
         """The plan in words, a line each."""
-        out = [
-            f"{effect.name}: {'computed' if effect.needed else 'left out'}, {effect.because}"
-            + (f" (saves about {effect.saved_seconds:.2g} s)" if effect.saved_seconds > 0 else "")
-            for effect in self.effects
-        ]
+        width = max((len(effect.name) for effect in self.effects), default=0)
+        out = [effect.line(width) for effect in self.effects]
         rays = self.replicates * (self.n_elements * self.rays_per_element + 2 * self.n_readings * self.gather_samples)
         out += [
-            f"elements: about {self.n_elements} of {self.element_size:.3g} m on {self.n_patches} patches",
-            f"readings: {self.n_readings}, emitters: {self.n_emitters}",
-            f"rays: about {rays / 1e6:.2g} million and as many towards the lamps, in {self.replicates} replicates",
-            f"memory: about {self.memory_bytes / 2**20:.0f} MiB",
+            f"{self.n_patches} patches in about {self.n_elements} elements of {self.element_size:.3g} m; "
+            f"emitters: {self.n_emitters}, readings: {self.n_readings}, bands: {self.n_bands}",
+            f"about {rays / 1e6:.2g} million rays and as many towards the lamps, in {self.replicates} replicates; "
+            f"{self.memory_bytes / 2**20:.0f} MiB",
         ]
-        out.append("time: not measured on this device yet" if self.seconds is None else f"time: about {self.seconds:.2g} CPU s")
-        return out
+        known = "not measured on this device yet" if self.seconds is None else f"about {self.seconds:.2g} s"
+        return [*out, f"time: {known}"]

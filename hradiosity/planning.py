@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, Effect, Plan, SpectralColumns
@@ -81,6 +84,8 @@ def make_plan(
     scene : Scene
     options : Options
     lit : LitSides
+    calibration : Calibration, optional
+        Rates of the device, for expected seconds; None leaves them unknown.
     """
     columns = spectral_columns(scene)
     occlusion = _occlusion(scene, options)
@@ -92,14 +97,8 @@ def make_plan(
     n_elements = int(area / size**2) + int(lit.lit.sum())
     n_readings = sum(len(s.position) for s in scene.sensors)
     replicates = options.replicates
-    return Plan(
-        effects=(
-            occlusion,
-            interreflection,
-            _openness(lit),
-            _backs(scene, lit),
-            _bands(scene, columns),
-        ),
+    plan = Plan(
+        effects=(occlusion, interreflection, _openness(lit), _backs(scene, lit), _bands(scene, columns)),
         columns=columns,
         n_bands=len(scene.bands),
         n_patches=len(scene.patches),
@@ -117,12 +116,38 @@ def make_plan(
         memory_bytes=_memory(n_elements, options, columns, n_readings, len(scene.emitters)),
         seconds=None,
     )
+    return plan if calibration is None else _with_seconds(plan, calibration)
+
+
+def _with_seconds(plan: Plan, calibration: Calibration) -> Plan:
+    """The plan with expected seconds, and what the effects that are left out save."""
+    rays = plan.replicates * plan.n_elements * plan.rays_per_element
+    shadows = plan.replicates * plan.n_elements * plan.n_emitters * plan.light_points / calibration.shadow_rays_per_s
+    reflection = (
+        rays * 8 * plan.columns.n_groups * calibration.solve_s_per_ray_column
+        + plan.replicates * plan.n_readings * plan.gather_samples / calibration.paths_per_s
+    )
+    share = plan.columns.n_groups * 8 / max(plan.n_bands, 1)
+    saved = {
+        "occlusion": shadows,
+        "interreflection": reflection,
+        "every band": rays * plan.n_bands * calibration.solve_s_per_ray_column * max(0.0, 1.0 - share),
+    }
+    seconds = rays * (1.0 / calibration.exchange_rays_per_s + calibration.exchange_s_per_ray)
+    seconds += shadows if plan.occlusion else 0.0
+    seconds += reflection if plan.interreflection else 0.0
+    effects = tuple(
+        effect if effect.needed else replace(effect, saved_seconds=saved.get(effect.name, 0.0))
+        for effect in plan.effects
+    )
+    return replace(plan, effects=effects, seconds=seconds)
 
 
 def _occlusion(scene: Scene, options: Options) -> Effect:
     if options.occlusion is not None:
         return Effect("occlusion", options.occlusion, "as asked for")
-    if is_convex(scene.patches):
+    lamps = scene.emitters.position[scene.emitters.patch == NONE]
+    if is_convex(scene.patches, np.concatenate([lamps, *(s.position for s in scene.sensors)])):
         return Effect("occlusion", False, "the scene is convex: nothing can stand between two points")
     return Effect("occlusion", True, "surfaces can stand between two points")
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 import warnings
 from collections import defaultdict
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
@@ -49,6 +50,10 @@ class Device:
         self._programs: dict[BuildKey, cl.Program] = {}
         self._kernels: dict[tuple[BuildKey, str], Kernel] = {}
         self.build_seconds = 0.0
+        self.builds: list[str] = []
+        """Kernels taken into use so far, each with its definitions and the digest of all sources."""
+        self.on_build: Callable[[str], None] | None = None
+        """Called with an entry of `builds` before the driver builds it or takes it from its cache."""
 
     @property
     def description(self) -> str:
@@ -78,6 +83,7 @@ class Device:
         if held is None:
             import pyopencl as cl
 
+            self._announce(f"{source}.{name} {' '.join(f'{k}={v}' for k, v in key[1])} {source_digest()}")
             program = self._program(key)
             try:
                 held = Kernel(cl.Kernel(program, name), self._queue, self._record, LOCAL_SIZE)
@@ -140,6 +146,11 @@ class Device:
         for name, event in self._events:
             table[name].append((event.profile.end - event.profile.start) * 1e-9)
         return {name: (len(times), sum(times)) for name, times in sorted(table.items())}
+
+    def _announce(self, build: str) -> None:
+        self.builds.append(build)
+        if self.on_build is not None:
+            self.on_build(build)
 
     def _record(self, name: str, event: cl.Event) -> None:
         if self._profile:

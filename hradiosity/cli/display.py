@@ -1,0 +1,249 @@
+"""What a run shows while it goes on: a live picture in a terminal, lines in a file, JSON for programs, or nothing."""
+
+from __future__ import annotations
+
+import math
+import time
+from abc import ABC, abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass, field
+from types import TracebackType
+from typing import TYPE_CHECKING, Any, Self
+
+from hradiosity.cli.text import count, percent
+from hradiosity.radiosity.solver import State
+
+if TYPE_CHECKING:
+    from rich.console import Console, RenderableType
+
+BUILDING = "building kernels for this device (once; later runs skip it)"
+
+
+@dataclass
+class Expectation:
+    """How long a run will still take, from the replicates so far.
+
+    accuracy : wanted; None when the number of replicates decides
+    limit : seconds after which no replicate starts; None for none
+    """
+
+    accuracy: float | None
+    limit: float | None
+    _done: list[tuple[int, float]] = field(default_factory=list)
+
+    def remaining(self, state: State) -> float | None:
+        """Expected seconds from `state` to the end; None before the first replicate."""
+        self._done.append((state.replicate, state.seconds))
+        recent = self._done[-4:]
+        steps = recent[-1][0] - recent[0][0]
+        if state.replicate == 0 or steps <= 0:
+            return None
+        each = (recent[-1][1] - recent[0][1]) / steps
+        wanted = float(state.replicates)
+        if self.accuracy is not None and math.isfinite(state.error) and state.error > self.accuracy:
+            wanted = max(wanted, state.replicate * (state.error / self.accuracy) ** 2)
+        left = (wanted - state.replicate) * each
+        return left if self.limit is None else max(0.0, min(left, self.limit + each - state.seconds))
+
+
+class Display(ABC):
+    """Shows a run; used as a context for the time that it goes on."""
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        """Nothing to close."""
+
+    @abstractmethod
+    def lines(self, lines: Sequence[str], *, title: str = "") -> None:
+        """Lasting lines: plan, tables, remarks."""
+
+    @abstractmethod
+    def building(self) -> None:
+        """Kernels are being built, which takes a while."""
+
+    @abstractmethod
+    def stage(self, name: str) -> None:
+        """Something other than the solver has begun."""
+
+    @abstractmethod
+    def state(self, state: State, remaining: float | None) -> None:
+        """The run got this far."""
+
+    def data(self, event: str, values: dict[str, Any]) -> None:
+        """Something for programs."""
+
+
+class QuietDisplay(Display):
+    """Shows nothing."""
+
+    def lines(self, lines: Sequence[str], *, title: str = "") -> None:
+        """Nothing."""
+
+    def building(self) -> None:
+        """Nothing."""
+
+    def stage(self, name: str) -> None:
+        """Nothing."""
+
+    def state(self, state: State, remaining: float | None) -> None:
+        """Nothing."""
+
+
+class JsonDisplay(QuietDisplay):
+    """One JSON object a line on standard output; ``event`` says what it is."""
+
+    def building(self) -> None:
+        """As an event."""
+        self.data("building kernels", {})
+
+    def stage(self, name: str) -> None:
+        """As an event."""
+        self.data("stage", {"stage": name})
+
+    def state(self, state: State, remaining: float | None) -> None:
+        """As an event."""
+        self.data("state", asdict(state) | {"remaining_seconds": remaining})
+
+    def data(self, event: str, values: dict[str, Any]) -> None:
+        """One line."""
+        from hradiosity.io.run_record import to_json
+
+        print(to_json({"event": event, **values}), flush=True)
+
+
+class PlainDisplay(Display):
+    """Lines on standard output, for files and pipes."""
+
+    def lines(self, lines: Sequence[str], *, title: str = "") -> None:
+        """Under their title."""
+        if title:
+            print(f"\n{title}")
+        for line in lines:
+            print(f"  {line}" if title else line, flush=True)
+
+    def building(self) -> None:
+        """Once."""
+        print(BUILDING, flush=True)
+
+    def stage(self, name: str) -> None:
+        """A line."""
+        print(name, flush=True)
+
+    def state(self, state: State, remaining: float | None) -> None:
+        """A line."""
+        print(f"{where(state)}: {', '.join(facts(state))}; {clock(state.seconds, remaining)}", flush=True)
+
+
+class LiveDisplay(Display):
+    """A few lines in the terminal that are drawn anew while the run goes on.
+
+    Parameters
+    ----------
+    console : Console
+    doing : callable
+        Name of the stage that the solver is in.
+    """
+
+    def __init__(self, console: Console, doing: Callable[[], str]) -> None:
+        from rich.live import Live
+
+        self._console = console
+        self._doing = doing
+        self._name = ""
+        self._building = False
+        self._last: tuple[State, float | None, float] | None = None
+        self._start = time.perf_counter()
+        self._live = Live(
+            console=console, get_renderable=self._render, refresh_per_second=8, transient=True, auto_refresh=True
+        )
+
+    def __enter__(self) -> Self:
+        self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self._live.stop()
+
+    def lines(self, lines: Sequence[str], *, title: str = "") -> None:
+        """Above the live part."""
+        from rich.text import Text
+
+        if title:
+            self._console.print(Text(f"\n{title}", style="bold"))
+        for line in lines:
+            style = "yellow" if line.startswith("warning:") else ""
+            self._console.print(Text(f"  {line}" if title else line, style=style), soft_wrap=True)
+
+    def building(self) -> None:
+        """In place of the stage, until the next state."""
+        self._building = True
+
+    def stage(self, name: str) -> None:
+        """In place of the solver's stage."""
+        self._name = name
+
+    def state(self, state: State, remaining: float | None) -> None:
+        """Draw from now on."""
+        self._building = False
+        self._name = ""
+        self._last = (state, remaining, time.perf_counter())
+
+    def _render(self) -> RenderableType:
+        from rich.console import Group
+        from rich.progress_bar import ProgressBar
+        from rich.spinner import Spinner
+        from rich.text import Text
+
+        name = BUILDING if self._building else self._name or self._doing() or "starting"
+        rows: list[RenderableType] = [Spinner("dots", text=Text(f" {name}", style="bold"))]
+        now = time.perf_counter()
+        if self._last is None:
+            return Group(*rows, Text(f"  {clock(now - self._start, None)}", style="dim"))
+        state, remaining, at = self._last
+        left = None if remaining is None else max(0.0, remaining - (now - at))
+        done = state.seconds + (now - at)
+        if left is not None:
+            rows.append(ProgressBar(total=max(done + left, 1e-9), completed=done, width=40))
+        rows.append(Text(f"  {where(state)}"))
+        rows += [Text(f"  {fact}", style="dim") for fact in facts(state)]
+        return Group(*rows, Text(f"  {clock(done, left)}", style="dim"))
+
+
+def where(state: State) -> str:
+    """How far a run is."""
+    return f"replicate {state.replicate} of {state.replicates}" if state.replicate else "geometry ready"
+
+
+def facts(state: State) -> list[str]:
+    """Size, convergence and error."""
+    found = [f"{count(state.elements)} elements"]
+    if state.replicate:
+        found.append(f"{count(state.rays)} rays")
+        found.append(f"unshot {state.unshot:.1e}")
+    if math.isfinite(state.error):
+        found.append(f"error so far {percent(state.median_error)} median, {percent(state.error)} largest")
+    return found
+
+
+def clock(seconds: float, remaining: float | None) -> str:
+    """Elapsed and expected time."""
+    left = "" if remaining is None else f", about {remaining:.0f} s to go"
+    return f"{seconds:.1f} s{left}"
+
+
+def open_display(*, quiet: bool, json: bool, doing: Callable[[], str]) -> Display:
+    """The display that fits the options and the terminal."""
+    if quiet:
+        return QuietDisplay()
+    if json:
+        return JsonDisplay()
+    from rich.console import Console
+
+    console = Console(highlight=False)
+    return LiveDisplay(console, doing) if console.is_terminal else PlainDisplay()

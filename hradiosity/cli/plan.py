@@ -1,0 +1,37 @@
+"""``hradiosity plan``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from hradiosity.cli.settings import Settings
+
+
+def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False) -> int:
+    """Say what a render would compute, leave out and cost, without doing it.
+
+    Parameters
+    ----------
+    scene
+        Folder with scene.toml, or the file.
+    json
+        One JSON object instead of words.
+    """
+    from hradiosity.cli.text import note_lines
+    from hradiosity.device import Device
+    from hradiosity.io.calibration import load_calibration
+    from hradiosity.io.run_record import plan_record, to_json
+    from hradiosity.io.scene_toml import load_scene
+    from hradiosity.radiosity.solver import RadiositySolver
+
+    chosen = settings or Settings()
+    options = chosen.options()
+    loaded = load_scene(scene)
+    device = Device(chosen.device)
+    made = RadiositySolver(loaded, options, device, load_calibration(device.description)).plan
+    if json:
+        print(to_json(plan_record(made)))
+        return 0
+    for line in (*note_lines(loaded.notes, all_of_them=True), *made.lines(), f"device: {device.description}"):
+        print(line)
+    return 0

@@ -1,0 +1,66 @@
+"""``hradiosity render``."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from hradiosity.cli.settings import EFFORT, OUTPUT, Settings
+
+
+def render(
+    scene: Path,
+    /,
+    *,
+    out: Annotated[Path | None, Parameter(name=["--out", "-o"], group=OUTPUT)] = None,
+    settings: Settings | None = None,
+    resume: Annotated[bool, Parameter(negative="", group=OUTPUT)] = False,
+    referee: Annotated[int | None, Parameter(group=EFFORT)] = None,
+    quiet: Annotated[bool, Parameter(negative="", group=OUTPUT)] = False,
+    json: Annotated[bool, Parameter(negative="", group=OUTPUT)] = False,
+) -> int:
+    """Compute the light of a scene: spectra at its sensors and on its surfaces, with 95 % intervals.
+
+    Ctrl-C keeps what is known and says how to go on. Exit status: 0 good, 2 bad input, 3 accuracy not reached in the
+    time (results written), 130 interrupted (results written).
+
+    Parameters
+    ----------
+    scene
+        Folder with scene.toml, or the file.
+    out
+        Folder for the results, replaced as a whole at the end; results/NAME if left out.
+    resume
+        Go on from an interrupted run, or from the result in the folder.
+    referee
+        Compare with so many unbiased paths from each reading.
+    quiet
+        Show nothing but errors.
+    json
+        One JSON object a line on standard output in place of words.
+    """
+    from hradiosity.cli.session import Request, run
+
+    chosen = settings or Settings()
+    return run(
+        Request(
+            scene=scene,
+            out=out if out is not None else Path("results") / _name(scene),
+            options=chosen.options(),
+            device=chosen.device,
+            resume=resume,
+            referee=referee,
+            quiet=quiet,
+            json=json,
+        )
+    )
+
+
+def _name(scene: Path) -> str:
+    """The scene's folder, or its file without suffix unless that is ``scene.toml``."""
+    path = scene.resolve()
+    if path.suffix == ".toml":
+        return path.parent.name if path.name == "scene.toml" else path.stem
+    return path.name

@@ -1,0 +1,13 @@
+"""``hradiosity schema``."""
+
+from __future__ import annotations
+
+
+def schema() -> int:
+    """Print the JSON Schema of scene files, for editors that complete and check them."""
+    import json
+
+    from hradiosity.io.scene_schema import SceneFile
+
+    print(json.dumps(SceneFile.model_json_schema(), indent=1))
+    return 0

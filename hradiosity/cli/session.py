@@ -1,0 +1,232 @@
+"""One render from the scene file to the folder of results."""
+
+from __future__ import annotations
+
+import shlex
+import sys
+import time
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
+from hradiosity.cli.display import Display, Expectation, open_display
+from hradiosity.cli.interrupts import held_back, termination_interrupts
+from hradiosity.cli.text import account_line, enclosed_lines, note_lines, sensor_lines, time_lines
+from hradiosity.device import Device
+from hradiosity.errors import OutputError
+from hradiosity.io import calibration
+from hradiosity.io.checkpoint import load_checkpoint, run_digest, save_checkpoint
+from hradiosity.io.output_folder import close_partial, open_partial, partial_of, publish
+from hradiosity.io.results import write_results, write_run
+from hradiosity.io.run_record import plan_record, sensor_record
+from hradiosity.io.scene_toml import load_scene
+from hradiosity.model.scene import Scene
+from hradiosity.options import Options
+from hradiosity.radiosity.solver import RadiositySolver
+from hradiosity.solution import Solution
+
+LEAST_PAUSE = 1.0
+"""Seconds between two checkpoints on disk, at least."""
+CHECKPOINT_SHARE = 0.05
+"""Share of the time that writing checkpoints may take."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Request:
+    """What the command line asked for; see ``hradiosity render --help``."""
+
+    scene: Path
+    out: Path
+    options: Options
+    device: str | None
+    resume: bool
+    referee: int | None
+    quiet: bool
+    json: bool
+
+
+def run(request: Request) -> int:
+    """Do it; returns the exit status.
+
+    Raises
+    ------
+    HradiosityError
+        For mistakes of the user, an output that can't be written and devices that fail.
+    """
+    start = time.perf_counter()
+    scene = load_scene(request.scene)
+    reading = time.perf_counter() - start
+    out = request.out.resolve()
+    partial = open_partial(out, keep=request.resume)
+    session: _Session | None = None
+    try:
+        with termination_interrupts():
+            session = _Session(request, scene, out, partial)
+            session.seconds["reading the scene"] = reading
+            return session.run()
+    finally:
+        if session is None or session.nothing_known:
+            close_partial(out)
+
+
+@dataclass
+class _Checkpoints:
+    """Saves checkpoints, not too often.
+
+    problem : why the last one could not be saved
+    """
+
+    folder: Path
+    digest: str
+    problem: str | None = None
+    _next: float = field(default_factory=lambda: time.perf_counter() + LEAST_PAUSE)
+
+    def offer(self, solver: RadiositySolver) -> None:
+        """Save one if it is time to; a full disk does not stop the run, which may well find room at its end."""
+        start = time.perf_counter()
+        if start < self._next:
+            return
+        with held_back() as came:
+            try:
+                save_checkpoint(self.folder, solver.checkpoint(), self.digest)
+                self.problem = None
+            except OutputError as error:
+                self.problem = str(error)
+        end = time.perf_counter()
+        self._next = end + max(LEAST_PAUSE, (end - start) / CHECKPOINT_SHARE)
+        if came:
+            raise KeyboardInterrupt
+
+
+class _Session:
+    """The run of one request, once its scene is read and its output folder is proved to be writable."""
+
+    def __init__(self, request: Request, scene: Scene, out: Path, partial: Path) -> None:
+        self.request, self.scene, self.out, self.partial = request, scene, out, partial
+        self.seconds: dict[str, float] = {}
+        self._device = Device(request.device)
+        measured = calibration.load_calibration(self._device.description)
+        self._known_builds = calibration.load_builds(self._device.description)
+        self._solver = RadiositySolver(scene, request.options, self._device, measured)
+        self._display: Display = open_display(
+            quiet=request.quiet, json=request.json, doing=lambda: self._solver.record.stage
+        )
+        self._published = False
+
+    @property
+    def nothing_known(self) -> bool:
+        """Whether the partial folder holds nothing worth keeping."""
+        return not self._published and self._solver.replicates == 0
+
+    def run(self) -> int:
+        """All of it."""
+        with self._display as display:
+            self._announce_builds()
+            display.lines(note_lines(self.scene.notes))
+            plan = self._solver.plan
+            display.lines(plan.lines(), title="Plan")
+            display.data("plan", plan_record(plan))
+            digest = run_digest(self.scene, plan, self.request.options, self._device.description)
+            if self.request.resume:
+                self._take_up(digest)
+            interrupted = self._solve(digest)
+            if interrupted and self._solver.replicates == 0:
+                raise KeyboardInterrupt
+            return self._finish(digest, interrupted)
+
+    def _announce_builds(self) -> None:
+        """Say so when a kernel is built that no earlier run had built."""
+        said = False
+
+        def listen(build: str) -> None:
+            nonlocal said
+            if build not in self._known_builds and not said:
+                said = True
+                self._display.building()
+
+        self._device.on_build = listen
+
+    def _take_up(self, digest: str) -> None:
+        """Restore what an earlier run knew."""
+        kept, belongs, path = load_checkpoint(self.out, partial_of(self.out))
+        if belongs != digest:
+            raise OutputError(
+                f"{path} is of another scene, device, version or sampling and can't be resumed; "
+                "start without --resume, or with the settings of that run"
+            )
+        self._solver.restore(kept)
+        self._display.lines([f"going on from replicate {self._solver.replicates} in {path}"])
+
+    def _solve(self, digest: str) -> bool:
+        """Run the solver; returns whether it was interrupted."""
+        checkpoints = _Checkpoints(self.partial, digest)
+        options = self.request.options
+        expectation = Expectation(options.accuracy, options.time)
+        try:
+            for state in self._solver.states():
+                self._display.state(state, expectation.remaining(state))
+                if state.replicate:
+                    checkpoints.offer(self._solver)
+        except KeyboardInterrupt:
+            return True
+        return False
+
+    def _finish(self, digest: str, interrupted: bool) -> int:
+        """Write the results, put them in place, and say what came out."""
+        solution = self._solver.solution()
+        start = time.perf_counter()
+        self._display.stage("writing the results")
+        with held_back():
+            write_results(self.partial, solution, self._solver.checkpoint(), digest)
+            self.seconds["writing"] = time.perf_counter() - start
+            state, code = self._outcome(interrupted)
+            seconds = {**solution.record["stage_seconds"], **self.seconds}
+            write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command()})
+            publish(self.out)
+            self._published = True
+        self._remember(solution)
+        self._report(solution, seconds, state)
+        return code
+
+    def _outcome(self, interrupted: bool) -> tuple[str, int]:
+        if interrupted:
+            return "interrupted", INTERRUPTED
+        if not self._solver.accuracy_reached:
+            return "accuracy not reached", INACCURATE
+        return "complete", GOOD
+
+    def _remember(self, solution: Solution) -> None:
+        """Keep what was built and, unless building took part of the time, how fast the device was."""
+        fresh = [build for build in self._device.builds if build not in self._known_builds]
+        measured = None if fresh or self.request.resume else calibration.measure(solution)
+        if fresh or measured is not None:
+            calibration.store(self._device.description, fresh, measured)
+
+    def _report(self, solution: Solution, seconds: dict[str, float], state: str) -> None:
+        display = self._display
+        if solution.readings:
+            display.lines(sensor_lines(solution.readings), title="Illuminance, with 95 % intervals")
+            display.lines(enclosed_lines(solution.readings))
+        display.lines(time_lines(seconds), title="Where the time went")
+        display.lines(["", account_line(solution), f"results are in {_short(self.out)}"])
+        if state == "interrupted":
+            display.lines([f"interrupted; to go on: {_command()} --resume"])
+        if state == "accuracy not reached":
+            display.lines([f"warning: the accuracy asked for was not reached; to go on: {_command()} --resume"])
+        result: dict[str, Any] = {
+            "state": state,
+            "out": str(self.out),
+            "sensors": {name: sensor_record(found) for name, found in solution.readings.items()},
+        }
+        display.data("result", result)
+
+
+def _command() -> str:
+    """The command line of this process, without ``--resume``."""
+    return shlex.join(["hradiosity", *(word for word in sys.argv[1:] if word != "--resume")])
+
+
+def _short(path: Path) -> str:
+    """Relative to the working folder when it lies inside."""
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)

@@ -1,0 +1,85 @@
+"""Arguments that several verbs share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from cyclopts import Group, Parameter
+
+from hradiosity.cli.values import Switch, seconds, share
+from hradiosity.errors import Fault, SceneError
+from hradiosity.options import Options
+
+EFFORT = Group("Accuracy and effort", sort_key=1)
+EFFECTS = Group("Effects", sort_key=2)
+OUTPUT = Group("Output", sort_key=3)
+
+
+@Parameter(name="*")
+@dataclass(frozen=True, kw_only=True)
+class Settings:
+    """Settings of a run, as written on the command line.
+
+    Parameters
+    ----------
+    accuracy
+        Go on until the 95 % interval of every reading is narrower than this, like 1%: half its width over the value,
+        or over 5 % of the sensor's mean for darker readings.
+    time
+        Start no further replicate after this time, like 30s or 2min.
+    replicates
+        Independent runs whose spread gives the intervals, at least 2.
+    seed
+        Of all random numbers: the same seed gives the same bits.
+    element_size
+        Edge of the elements that light is exchanged between, in metres.
+    rays_per_element
+        Exchange rays from each element, all replicates together.
+    gather_samples
+        Paths from each reading, all replicates together.
+    light_samples
+        Shadow rays from each reading to each lamp, all replicates together.
+    occlusion
+        Whether surfaces cast shadows.
+    interreflection
+        Whether reflected light is computed.
+    device
+        Number from `hradiosity devices`, or a part of the device's name.
+    """
+
+    accuracy: Annotated[float | None, Parameter(converter=share, group=EFFORT)] = None
+    time: Annotated[float | None, Parameter(converter=seconds, group=EFFORT)] = None
+    replicates: Annotated[int, Parameter(group=EFFORT)] = Options.replicates
+    seed: Annotated[int, Parameter(group=EFFORT)] = Options.seed
+    element_size: Annotated[float | None, Parameter(group=EFFORT)] = None
+    rays_per_element: Annotated[int, Parameter(group=EFFORT)] = Options.rays_per_element
+    gather_samples: Annotated[int, Parameter(group=EFFORT)] = Options.gather_samples
+    light_samples: Annotated[int, Parameter(group=EFFORT)] = Options.light_samples
+    occlusion: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
+    interreflection: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
+    device: str | None = None
+
+    def options(self) -> Options:
+        """As the solver takes them.
+
+        Raises
+        ------
+        SceneError
+            When a value is out of range.
+        """
+        try:
+            return Options(
+                element_size=self.element_size,
+                rays_per_element=self.rays_per_element,
+                light_samples=self.light_samples,
+                gather_samples=self.gather_samples,
+                replicates=self.replicates,
+                accuracy=self.accuracy,
+                time=self.time,
+                occlusion=self.occlusion.forced,
+                interreflection=self.interreflection.forced,
+                seed=self.seed,
+            )
+        except ValueError as error:
+            raise SceneError([Fault("command line", "", str(error).replace("_", "-"), "")]) from error

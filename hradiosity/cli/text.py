@@ -1,0 +1,94 @@
+"""Results in words and aligned columns."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+
+from hradiosity.model.scene import Note
+from hradiosity.solution import Readings, Solution
+
+
+def note_lines(notes: Sequence[Note], *, all_of_them: bool = False) -> list[str]:
+    """Warnings in full; the other remarks in full or, since ``run.json`` holds them, only their number."""
+    warnings = [f"warning: {note}" for note in notes if note.kind == "warning"]
+    others = [f"note: {note}" for note in notes if note.kind != "warning"]
+    if others and not all_of_them:
+        others = [f"{len(others)} remark{'s' if len(others) > 1 else ''} on what was assumed: see notes in run.json"]
+    return warnings + others
+
+
+def sensor_lines(readings: Mapping[str, Readings]) -> list[str]:
+    """A table of illuminance, a line a sensor, with half widths of 95 % intervals."""
+    rows = [("sensor", "readings", "mean lx", "min lx", "max lx", "uniformity", "accuracy")]
+    for name, found in readings.items():
+        low, high = int(found.illuminance.argmin()), int(found.illuminance.argmax())
+        rows.append(
+            (
+                name,
+                str(len(found)),
+                plus_minus(found.mean_illuminance, found.mean_illuminance_half_width),
+                plus_minus(float(found.illuminance[low]), float(found.illuminance_half_width[low])),
+                plus_minus(float(found.illuminance[high]), float(found.illuminance_half_width[high])),
+                plus_minus(found.uniformity, found.uniformity_half_width),
+                percent(float(found.accuracy.max())),
+            )
+        )
+    return aligned(rows)
+
+
+def enclosed_lines(readings: Mapping[str, Readings]) -> list[str]:
+    """A warning for each sensor with readings that lie inside something."""
+    return [
+        f"warning: {int((found.enclosed > 0.5).sum())} of {len(found)} readings of {name!r} lie inside a solid"
+        for name, found in readings.items()
+        if (found.enclosed > 0.5).any()
+    ]
+
+
+def time_lines(seconds: Mapping[str, float]) -> list[str]:
+    """Where the time went: stage, seconds, share."""
+    total = max(sum(seconds.values()), 1e-9)
+    rows = [("stage", "seconds", "share")]
+    rows += [(stage, f"{spent:.2f}", f"{100 * spent / total:.0f} %") for stage, spent in seconds.items()]
+    return aligned([*rows, ("all", f"{total:.2f}", "")])
+
+
+def account_line(solution: Solution) -> str:
+    """Size and effort of a run in one line."""
+    record = solution.record
+    return (
+        f"{solution.replicates} replicates, {count(record['elements'])} elements, {count(record['rays'])} rays, "
+        f"{record['solve_cpu_s']:.1f} s of solve CPU"
+    )
+
+
+def plus_minus(value: float, half_width: float) -> str:
+    """``514.7 ± 3.1``: the interval with two digits, the value as many; a value of unknown interval with four."""
+    if not math.isfinite(half_width):
+        return f"{value:.4g} ± ?"
+    if half_width <= 0.0:
+        return f"{value:.4g} ± 0"
+    digits = max(0, 1 - math.floor(math.log10(half_width)))
+    return f"{value:.{digits}f} ± {half_width:.{digits}f}"
+
+
+def percent(value: float) -> str:
+    """A share as ``1.2 %``; ``?`` when unknown."""
+    if not math.isfinite(value):
+        return "?"
+    return f"{100 * value:.2g} %" if value < 0.995 else f"{100 * value:.0f} %"
+
+
+def count(number: int) -> str:
+    """``1.25 million``, ``10 284``."""
+    return f"{number / 1e6:.3g} million" if number >= 1_000_000 else f"{number:,}".replace(",", " ")
+
+
+def aligned(rows: Sequence[tuple[str, ...]]) -> list[str]:
+    """Columns under each other: the first to the left, the others to the right."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return [
+        "  ".join(cell.ljust(widths[k]) if k == 0 else cell.rjust(widths[k]) for k, cell in enumerate(row)).rstrip()
+        for row in rows
+    ]

@@ -1,0 +1,100 @@
+"""How fast each device of this machine was in earlier runs, and which kernels were built for it."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+from collections.abc import Iterable
+from dataclasses import asdict, fields
+from pathlib import Path
+from typing import Any
+
+from hradiosity.errors import OutputError
+from hradiosity.io.output_folder import write_file
+from hradiosity.plan import Calibration
+from hradiosity.solution import Solution
+
+CACHE_VARIABLE = "HRADIOSITY_CACHE"
+_KEPT_BUILDS = 200
+
+
+def cache_folder() -> Path:
+    """Where measured speeds are kept: ``HRADIOSITY_CACHE``, else the user's cache folder."""
+    named = os.environ.get(CACHE_VARIABLE)
+    if named:
+        return Path(named)
+    if sys.platform == "darwin":
+        return Path.home() / "Library" / "Caches" / "hradiosity"
+    base = os.environ.get("LOCALAPPDATA") if sys.platform == "win32" else os.environ.get("XDG_CACHE_HOME")
+    return (Path(base) if base else Path.home() / ".cache") / "hradiosity"
+
+
+def load_calibration(device: str) -> Calibration | None:
+    """Speeds of a device, by its description; None when it was never measured."""
+    kept = _load().get("devices", {}).get(device, {}).get("calibration")
+    names = {field.name for field in fields(Calibration)}
+    if not isinstance(kept, dict) or kept.keys() != names:
+        return None
+    return Calibration(**{name: float(value) for name, value in kept.items()})
+
+
+def load_builds(device: str) -> frozenset[str]:
+    """Kernels that an earlier run had built for the device; their driver holds them."""
+    return frozenset(_load().get("devices", {}).get(device, {}).get("builds", ()))
+
+
+def store(device: str, builds: Iterable[str], calibration: Calibration | None) -> bool:
+    """Keep what a run measured; a calibration of None leaves the earlier one.
+
+    Returns
+    -------
+    bool
+        False when the cache can't be written, which harms nothing.
+    """
+    kept = _load()
+    entry = kept.setdefault("devices", {}).setdefault(device, {})
+    known = list(entry.get("builds", ()))
+    entry["builds"] = (known + [build for build in builds if build not in known])[-_KEPT_BUILDS:]
+    if calibration is not None:
+        entry["calibration"] = asdict(calibration)
+    try:
+        cache_folder().mkdir(parents=True, exist_ok=True)
+        write_file(_file(), json.dumps(kept, indent=1).encode())
+    except (OSError, OutputError):
+        return False
+    return True
+
+
+def measure(solution: Solution) -> Calibration | None:
+    """Speeds from a finished run; None when it left a stage out, or hardly took any time."""
+    plan, seconds, count = solution.plan, solution.record["stage_seconds"], solution.replicates
+    rows, readings = len(solution.elements), plan.n_readings
+    rays = count * rows * plan.rays_per_element
+    shadow_rays = count * rows * plan.n_emitters * plan.light_points
+    paths = count * readings * plan.gather_samples
+    stages = ("exchange rays", "direct light", "exchange", "solution", "readings")
+    if not (plan.interreflection and plan.occlusion and paths and shadow_rays):
+        return None
+    if any(seconds.get(stage, 0.0) < 0.01 for stage in stages):
+        return None
+    return Calibration(
+        exchange_rays_per_s=rays / seconds["exchange rays"],
+        shadow_rays_per_s=shadow_rays / seconds["direct light"],
+        paths_per_s=paths / seconds["readings"],
+        exchange_s_per_ray=seconds["exchange"] / rays,
+        solve_s_per_ray_column=seconds["solution"] / rays / (8 * plan.columns.n_groups),
+    )
+
+
+def _file() -> Path:
+    return cache_folder() / "devices.json"
+
+
+def _load() -> dict[str, Any]:
+    """What is kept; nothing when there is no file or it is damaged."""
+    try:
+        found = json.loads(_file().read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    return found if isinstance(found, dict) else {}

@@ -1,0 +1,54 @@
+"""The results of a run on disk."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import NDArray
+
+from hradiosity.errors import OutputError
+from hradiosity.io.checkpoint import CHECKPOINT_FILE, MESH_FILE
+from hradiosity.io.output_folder import RUN_FILE, reason, write_file
+from hradiosity.io.results_mesh import mesh_file
+from hradiosity.io.results_tables import readings_table, spectra_table
+from hradiosity.io.run_record import run_record, to_json
+from hradiosity.solution import Solution
+
+
+def write_results(folder: Path, solution: Solution, checkpoint: Mapping[str, NDArray[Any]], digest: str) -> None:
+    """Write tables and mesh into a folder that exists; ``run.json`` comes last, by `write_run`.
+
+    Raises
+    ------
+    OutputError
+        When a file can't be written.
+    """
+    write_file(folder / "readings.csv", readings_table(solution.readings))
+    bands = solution.scene.bands
+    write_file(folder / "spectra.csv", spectra_table(solution.readings, bands))
+    write_file(folder / "spectra_half_width.csv", spectra_table(solution.readings, bands, half_width=True))
+    write_file(folder / MESH_FILE, mesh_file(solution, checkpoint, digest))
+
+
+def write_run(folder: Path, solution: Solution, state: str, more: Mapping[str, Any]) -> None:
+    """Write ``run.json``, which says that the folder is whole, and drop the live checkpoint.
+
+    Parameters
+    ----------
+    state : str
+        See `run_record`.
+    more : mapping
+        Further entries.
+
+    Raises
+    ------
+    OutputError
+        When it can't be written.
+    """
+    write_file(folder / RUN_FILE, (to_json(run_record(solution, state, more), indent=1) + "\n").encode())
+    try:
+        (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder / CHECKPOINT_FILE} can't be deleted: {reason(error)}") from error

@@ -1,0 +1,119 @@
+"""``run.json``: what was done, with what, and how it went."""
+
+from __future__ import annotations
+
+import json
+import math
+import platform
+import sys
+from collections.abc import Mapping
+from dataclasses import asdict
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+import numpy as np
+
+from hradiosity.io.output_folder import PROGRAM
+from hradiosity.plan import Plan
+from hradiosity.solution import Readings, Solution
+
+_PACKAGES = ("hradiosity", "numpy", "scipy", "pyopencl", "h5py", "pocl-binary-distribution")
+
+
+def run_record(solution: Solution, state: str, more: Mapping[str, Any]) -> dict[str, Any]:
+    """Content of ``run.json``.
+
+    Parameters
+    ----------
+    solution : Solution
+    state : str
+        "complete", "accuracy not reached" or "interrupted".
+    more : mapping
+        Further entries.
+    """
+    scene, plan = solution.scene, solution.plan
+    record = dict(solution.record)
+    return {
+        "program": PROGRAM,
+        "state": state,
+        "complete": state == "complete",
+        "scene": {"name": scene.name, "file": str(scene.path) if scene.path else None},
+        "seed": record["options"]["seed"],
+        "plan": plan_record(plan),
+        **record,
+        "iterations": [len(c["residual"]) - 1 for c in record["solver"]],
+        "repeat_with": _repeat_with(solution),
+        "sensors": {name: sensor_record(found) for name, found in solution.readings.items()},
+        "notes": [asdict(note) for note in scene.notes],
+        "versions": versions(),
+        **more,
+    }
+
+
+def plan_record(plan: Plan) -> dict[str, Any]:
+    """A plan without its arrays."""
+    names = [name for name in plan.__dataclass_fields__ if name not in ("columns", "effects")]
+    return {
+        "effects": [asdict(effect) for effect in plan.effects],
+        "right_hand_sides": plan.columns.n_columns,
+        "classes_of_bands": plan.columns.n_classes,
+        **{name: getattr(plan, name) for name in names},
+    }
+
+
+def sensor_record(found: Readings) -> dict[str, Any]:
+    """The numbers of a sensor as a whole, half widths of 95 % intervals beside them."""
+    low, high = int(np.argmin(found.illuminance)), int(np.argmax(found.illuminance))
+    return {
+        "readings": len(found),
+        "mean_illuminance_lx": found.mean_illuminance,
+        "mean_illuminance_half_width_lx": found.mean_illuminance_half_width,
+        "min_illuminance_lx": float(found.illuminance[low]),
+        "min_illuminance_half_width_lx": float(found.illuminance_half_width[low]),
+        "max_illuminance_lx": float(found.illuminance[high]),
+        "max_illuminance_half_width_lx": float(found.illuminance_half_width[high]),
+        "uniformity": found.uniformity,
+        "uniformity_half_width": found.uniformity_half_width,
+        "accuracy": float(found.accuracy.max()),
+        "enclosed_readings": int((found.enclosed > 0.5).sum()),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Of this program and of what its numbers depend on."""
+    found = {"python": platform.python_version(), "system": f"{sys.platform} {platform.machine()}"}
+    for package in _PACKAGES:
+        try:
+            found[package] = version(package)
+        except PackageNotFoundError:
+            continue
+    return found
+
+
+def to_json(value: Any, *, indent: int | None = None) -> str:
+    """JSON text; numbers that are not finite become null."""
+    return json.dumps(_plain(value), indent=indent, ensure_ascii=False)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, Mapping):
+        return {str(key): _plain(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(item) for item in value]
+    if isinstance(value, np.generic):
+        value = value.item()
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+def _repeat_with(solution: Solution) -> dict[str, Any]:
+    """Options that give the same bits again, whatever ended the run: samples of a replicate times replicates."""
+    plan, count = solution.plan, solution.replicates
+    totals = ("rays_per_element", "light_points", "light_samples", "gather_samples")
+    return {
+        "replicates": count,
+        "element_size": plan.element_size,
+        "seed": solution.record["options"]["seed"],
+        **{name: getattr(plan, name) * count for name in totals},
+    }
