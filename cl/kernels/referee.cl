@@ -7,7 +7,7 @@
 #endif
 
 /* Paths up to this bounce end only where nothing is reflected. */
-#define HR_ROULETTE_FROM 1u
+#define HR_ROULETTE_FROM 2u
 
 /* Light that comes straight from each emitter: sums over samples first_sample ... first_sample + n_samples - 1. */
 __kernel void referee_direct(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,

@@ -45,7 +45,7 @@ class Referee:
     scene : Scene
     device : Device
     paths_per_reading : int
-        Rounded up to full rounds.
+        Rounded up to as many in each scramble.
     seed : int
     """
 

@@ -31,7 +31,9 @@ _NO_ONE = 0xFFFFFFFF
 class RefereeScene:
     """Materials and lamps in plain bands, padded to groups of eight, beside the geometry.
 
+    scene : geometry and emitters
     arguments : device arrays by the names of the kernel's arguments
+    emission : (n_emitters, 8 n_groups) float32, exitance [W m⁻²] or intensity [W sr⁻¹]
     n_groups : groups of eight bands
     direct_share : points drawn on each emitter for each path from a reading
     """
@@ -154,6 +156,8 @@ def trace_round(
     """
     scene = referee.scene
     device, n = scene.device, len(position)
+    if n == 0:
+        return PathSums(np.zeros((scrambles, 0, referee.n_bands)), np.zeros(0), 0.0, 0)
     points = {
         "position": device.upload(scene.bvh.to_local(position)),
         "normal": device.upload(normal, np.float32),
@@ -213,7 +217,12 @@ def trace_referee(
     position, normal : (n, 3) float64
         World frame [m], unit normals.
     paths : int
-        From each reading, all scrambles together; rounded up to full rounds.
+        From each reading, all scrambles together; rounded up to as many in each scramble.
+
+    Raises
+    ------
+    ValueError
+        When a patch emits twice.
     """
     referee = prepare_referee(on_device, scene)
     total = PathTotals(len(position), len(scene.bands), scrambles)
@@ -297,7 +306,7 @@ def _trace_direct(
 ) -> NDArray[np.float64]:
     """(n, n_scrambles, n_bands) direct light times `n_paths`, less what the paths' first rays count."""
     scene = referee.scene
-    if scene.n_emitters == 0 or n == 0:
+    if scene.n_emitters == 0:
         return np.zeros((n, scrambles, referee.n_bands))
     n_samples = max(1, round(n_paths * referee.direct_share))
     direct = scene.device.empty((n, scrambles, scene.n_emitters), np.float32)
