@@ -53,14 +53,14 @@ inline float3 hr_emitter_point(const uint emitter, const float s, const float t,
     return hr_patch_point(patch, uv.x, uv.y, HR_PATCH);
 }
 
-/* Weight of the ray from x to the point y of the emitter: cos cos / (pi r^2), and 1 above the horizon for a point
-   source, whose visibility one ray decides. */
+/* Weight of the ray from x to the point y of the emitter, what it would bring if nothing stood in its way:
+   cos cos / (pi r^2) [m^-2], and cos / r^2 [m^-2] for a point source. */
 inline float hr_emitter_weight(const float3 x, const float3 n, const float3 y, const uint emitter, HR_EMITTER_PARAMS,
                                HR_PATCH_PARAMS)
 {
     const uint patch = emitter_patch[emitter];
     if (patch == HR_NONE)
-        return dot(n, y - x) > 0.0f ? 1.0f : 0.0f;
+        return hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
     return hr_point_kernel(n, y - x, hr_emitter_normal(patch, emitter_two_sided[emitter], x, HR_PATCH));
 }
 
