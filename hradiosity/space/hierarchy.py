@@ -62,31 +62,32 @@ class Elements:
 
 
 def build_elements(
-    patches: Patches, lit: NDArray[np.bool_], two_sided: NDArray[np.bool_], size: float, *, grouping: bool = True
+    patches: Patches, space: NDArray[np.int32], two_sided: NDArray[np.bool_], size: float, *, grouping: bool = True
 ) -> Elements:
     """Cut the lit sides into elements of about `size`, and join small faces.
 
     Parameters
     ----------
     patches : Patches
-    lit : (n_patches, 2) bool
-        Sides that light can reach.
+    space : (n_patches, 2) int32
+        Space that each side looks into, −1 where no light comes.
     two_sided : (n_materials,) bool
     size : float
         Wanted edge length h of an element [m].
     grouping : bool
-        Join uncut faces of one material whose normals lie within about 45° and whose centres lie in one cube of edge
-        h (Willmott, Heckbert & Garland 1999 call such a set a face cluster).
+        Join uncut faces of one material and one space whose normals lie within about 45° and whose centres lie in one
+        cube of edge h (Willmott, Heckbert & Garland 1999 call such a set a face cluster).
     """
     divisions = _divisions(patches, size)
     count = np.where(patches.is_triangle, divisions[:, 0] ** 2, divisions[:, 0] * divisions[:, 1]).astype(np.int64)
+    lit = space >= 0
     counts = np.where(lit, count[:, None], 0)
     starts = np.concatenate([[0], np.cumsum(counts.ravel())])
     first_cell = np.where(lit, starts[:-1].reshape(-1, 2), NONE).astype(np.uint32)
     cell_side = np.repeat(np.arange(2 * len(patches), dtype=np.uint32), counts.ravel())
     side_material = _side_materials(patches, two_sided)
     cell_row = (
-        _group_rows(patches, cell_side, count, side_material, size)
+        _group_rows(patches, space, cell_side, count, side_material, size)
         if grouping
         else np.arange(len(cell_side), dtype=np.int64)
     )
@@ -129,6 +130,7 @@ def _side_materials(patches: Patches, two_sided: NDArray[np.bool_]) -> NDArray[n
 
 def _group_rows(
     patches: Patches,
+    space: NDArray[np.int32],
     cell_side: NDArray[np.uint32],
     count: NDArray[np.int64],
     side_material: NDArray[np.uint32],
@@ -139,7 +141,9 @@ def _group_rows(
     single = count[patch] == 1
     normal = patches.normal[patch] * np.where(side == 0, 1.0, -1.0)[:, None]
     cube = np.floor((patches.centroid[patch] - patches.bounds()[0]) / size + 1e-6).astype(np.int64)
-    kind = np.column_stack([side_material.ravel()[cell_side], _direction_class(normal), cube])
+    kind = np.column_stack(
+        [side_material.ravel()[cell_side], space.ravel()[cell_side], _direction_class(normal), cube]
+    )
     kind[~single] = -1
     kind[~single, 0] = -1 - np.flatnonzero(~single)
     _, first, group = np.unique(kind, axis=0, return_index=True, return_inverse=True)
@@ -172,6 +176,9 @@ def _shares(
         return np.zeros(0, np.float32)
     total = np.cumsum(cell_area)
     before = np.concatenate([[0.0], total])[row_start[:-1]]
-    share: NDArray[np.float32] = ((total - before[cell_row]) / area[cell_row]).astype(np.float32)
+    usable = area[cell_row] > 0.0
+    share: NDArray[np.float32] = np.divide(
+        total - before[cell_row], area[cell_row], out=np.ones_like(total), where=usable
+    ).astype(np.float32)
     share[row_start[1:] - 1] = 1.0
     return share

@@ -85,6 +85,9 @@ class Exchange:
 def trace_rows(scene: DeviceScene, elements: DeviceElements, n_samples: int, seed: int) -> RowHits:
     """Send `n_samples` rays from each row element, spread evenly over it, with density cos θ / π."""
     device, n_rows = scene.device, len(elements.elements)
+    if n_rows == 0:
+        nothing = np.zeros((0, n_samples), np.uint32)
+        return RowHits(nothing, nothing, device.upload(nothing))
     row = device.empty((n_rows, n_samples), np.uint32)
     side = device.empty((n_rows, n_samples), np.uint32)
     device.kernel("exchange", "trace_rows")(
@@ -120,7 +123,7 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
     )
     found.sum_duplicates()
     back = csr_array(found.T)
-    rays_per_area = n_samples / elements.area
+    rays_per_area = np.divide(n_samples, elements.area, out=np.full(n_rows, np.inf), where=elements.area > 0.0)
     pooled = csr_array(found + back)
     pooled.sort_indices()
     receiver = np.repeat(np.arange(n_rows), np.diff(pooled.indptr))
