@@ -18,7 +18,8 @@ DEFLATE_ABOVE = 0.8
 class Convergence:
     """How an iteration went.
 
-    residual : largest relative residual over the columns, one an iteration, the start first
+    residual : largest relative residual over the columns and sets of connected elements, one an iteration, the start
+        first
     converged : whether the tolerance was met
     products : products with the operator, those for deflation included
     deflated : number of deflation vectors
@@ -43,7 +44,8 @@ def solve_irradiance(
     """Irradiance of every element: E = D + F ρ E.
 
     Solved as (I − R½ S R½) w = R½ S R½ b with b = A½ R½ D for w = A½ R½ (E − D), which stays finite for black
-    elements; then E − D = A^-½ S R½ (b + w), which smooths once more.
+    elements; then E − D = A^-½ S R½ (b + w), which smooths once more. Each set of connected elements is brought to
+    the same brightness before and back afterwards: a night light keeps its digits beside a sealed bright room.
 
     Parameters
     ----------
@@ -51,7 +53,7 @@ def solve_irradiance(
     reflectance, direct : (n_rows, 8 n_groups) float32
         Reflectance [1] and direct irradiance of each element and column.
     tolerance : float
-        Residual over right-hand side, for every column.
+        Residual over right-hand side, for every column and every set of connected elements.
     start : (n_rows, 8 n_groups) float32, optional
         First guess of the indirect irradiance E − D.
     deflation : (n_rows, k) float64, optional
@@ -69,7 +71,13 @@ def solve_irradiance(
     rhs = root * operator.apply(root * emitted)
     guess = np.zeros_like(rhs) if start is None else area * root * start
     coarse = None if deflation is None or deflation.shape[1] == 0 else _Coarse(operator, root, deflation)
-    solution, residual = _conjugate_gradients(operator, root, rhs, guess, coarse, tolerance, max_iterations)
+    sets = _Sets(operator.component)
+    brightness = sets.largest(rhs)
+    per_set = np.divide(1.0, brightness, out=np.ones_like(brightness), where=brightness > 0.0)
+    solution, residual = _conjugate_gradients(
+        operator, root, rhs * per_set, guess * per_set, coarse, sets, tolerance, max_iterations
+    )
+    solution = solution * brightness
     indirect = operator.inverse_root_area[:, None] * operator.apply(root * (emitted + solution))
     convergence = Convergence(
         residual=tuple(residual),
@@ -147,12 +155,35 @@ class _Coarse:
         return combined
 
 
+class _Sets:
+    """Sums and maxima over sets of connected elements, (n_rows,) numbers from 0."""
+
+    def __init__(self, component: NDArray[np.int32]) -> None:
+        self._component = component
+        order = np.argsort(component, kind="stable")
+        ends = np.cumsum(np.bincount(component, minlength=1))[:-1]
+        self._rows = np.split(order, ends)
+
+    def norms(self, x: NDArray[np.float32]) -> NDArray[np.float64]:
+        """Euclidean norm of each set and column, (n_sets, n_columns)."""
+        if len(self._rows) == 1:
+            return np.sqrt(_dot(x, x))[None]
+        return np.sqrt([_dot(part, part) for part in (x[rows] for rows in self._rows)])
+
+    def largest(self, x: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Largest |x| in each row's set, (n_rows, n_columns); (1, n_columns) if all are one set."""
+        size = np.array([np.abs(x[rows]).max(axis=0, initial=0.0) for rows in self._rows])
+        found: NDArray[np.float32] = size if len(size) == 1 else size[self._component]
+        return found
+
+
 def _conjugate_gradients(
     operator: ExchangeOperator,
     root: NDArray[np.float32],
     rhs: NDArray[np.float32],
     solution: NDArray[np.float32],
     coarse: _Coarse | None,
+    sets: _Sets,
     tolerance: float,
     max_iterations: int,
 ) -> tuple[NDArray[np.float32], list[float]]:
@@ -161,7 +192,7 @@ def _conjugate_gradients(
     def apply(x: NDArray[np.float32]) -> NDArray[np.float32]:
         return x - root * operator.apply(root * x)
 
-    size = np.sqrt(_dot(rhs, rhs))
+    size = sets.norms(rhs)
     residual = rhs - apply(solution) if solution.any() else rhs.copy()
     if coarse is not None:
         correction = coarse.solve(residual)
@@ -169,7 +200,7 @@ def _conjugate_gradients(
         residual = residual - apply(correction)
     direction = residual if coarse is None else residual - coarse.project(residual)
     power = _dot(residual, residual)
-    history = [_worst(power, size)]
+    history = [_worst(sets.norms(residual), size)]
     while history[-1] > tolerance and len(history) <= max_iterations:
         image = apply(direction)
         step = _ratio(power, _dot(direction, image))
@@ -180,7 +211,7 @@ def _conjugate_gradients(
         if coarse is not None:
             direction = direction - coarse.project(residual)
         power = fresh
-        history.append(_worst(power, size))
+        history.append(_worst(sets.norms(residual), size))
     return solution, history
 
 
@@ -194,5 +225,5 @@ def _ratio(above: NDArray[np.float64], below: NDArray[np.float64]) -> NDArray[np
     return np.divide(above, below, out=np.zeros_like(above), where=below > 0.0).astype(np.float32)
 
 
-def _worst(power: NDArray[np.float64], size: NDArray[np.float64]) -> float:
-    return float(_ratio(np.sqrt(power), size).max(initial=0.0))
+def _worst(norms: NDArray[np.float64], size: NDArray[np.float64]) -> float:
+    return float(_ratio(norms, size).max(initial=0.0))

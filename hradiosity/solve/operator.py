@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_array
+from scipy.sparse.csgraph import connected_components
 
 from hradiosity.device import Device
 from hradiosity.transport.exchange import Exchange
@@ -21,6 +22,11 @@ class ExchangeOperator:
     exchange : Exchange
     n_groups : int
         Groups of eight columns.
+
+    Attributes
+    ----------
+    component : (n_rows,) int32
+        Number of the set of connected elements that each belongs to; elements without any link are in set 0.
     """
 
     def __init__(self, device: Device, exchange: Exchange, n_groups: int) -> None:
@@ -34,6 +40,10 @@ class ExchangeOperator:
         self._host = csr_array(
             (value, exchange.source.astype(np.int64), exchange.start.astype(np.int64)), shape=(len(area), len(area))
         )
+        linked = np.diff(exchange.start) > 0
+        label = connected_components(self._host, directed=False)[1]
+        self.component: NDArray[np.int32] = np.zeros(len(area), np.int32)
+        self.component[linked] = np.unique(label[linked], return_inverse=True)[1]
         self._device = device
         self._start = device.upload(exchange.start)
         self._source = device.upload(exchange.source)
