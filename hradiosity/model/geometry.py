@@ -78,6 +78,8 @@ class Patches:
         return np.stack([self.origin, u_end, opposite, v_end], axis=1)
 
     def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Lowest and highest corner (3,) of everything [m]."""
+        """Lowest and highest corner (3,) of everything [m]; the origin when there is nothing."""
+        if not len(self):
+            return np.zeros(3), np.zeros(3)
         corners = self.corners().reshape(-1, 3)
         return corners.min(axis=0), corners.max(axis=0)

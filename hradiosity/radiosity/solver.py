@@ -228,7 +228,7 @@ class RadiositySolver:
             moments.position,
             moments.normal,
             light_samples=plan.light_samples,
-            gather_samples=plan.gather_samples if plan.interreflection else 0,
+            gather_samples=plan.gather_samples if plan.interreflection or self.scene.sky is not None else 0,
             seed=seed ^ 0x5BD1E995,
         )
         moments.add(plan.columns.to_bands(samples.irradiance), samples.enclosed)

@@ -83,7 +83,7 @@ class SurfaceSolver:
         self.on_device: DeviceScene = upload_scene(device, scene, bvh, occlusion=plan.occlusion)
         columns = plan.columns
         self.emission = columns.padded(columns.emission[scene.emitters.luminaire])
-        self._reflectance = columns.padded(columns.reflectance)
+        self._reflectance = columns.padded(columns.reflectance * plan.interreflection)
         self._reflectance_on_device = device.upload(self._reflectance)
         self._emission_on_device = device.upload(self.emission)
         self._sky = columns.padded(columns.sky)
@@ -93,7 +93,7 @@ class SurfaceSolver:
     def _cut(self, lit: LitSides) -> None:
         """Cut the lit sides into row elements; forget what was known about others."""
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
-        self.elements: Elements = build_elements(self.scene.patches, lit.lit, two_sided, self.plan.element_size)
+        self.elements: Elements = build_elements(self.scene.patches, lit.space, two_sided, self.plan.element_size)
         self.on_device_elements = upload_elements(self.device, self.elements)
         n_rows = len(self.elements)
         first = self.elements.row_cell[self.elements.row_start[:-1]]
@@ -169,7 +169,7 @@ class SurfaceSolver:
         for attempt in range(RETRIES + 1):
             hits = trace_rows(self.on_device, self.on_device_elements, self.plan.rays_per_element, seed)
             self.record.rays += hits.row.size
-            if attempt == RETRIES or float(np.mean(hits.row == UNLIT)) <= LOST_SHARE:
+            if attempt == RETRIES or np.count_nonzero(hits.row == UNLIT) <= LOST_SHARE * hits.row.size:
                 break
             self._links = np.concatenate([self._links, hits.unlit_links(self.elements)])
             links_so_far = self._links
@@ -190,7 +190,7 @@ class SurfaceSolver:
         self, exchange: Exchange, reflectance: NDArray[np.float32], direct: NDArray[np.float32]
     ) -> NDArray[np.float32]:
         """Irradiance of the row elements; keeps the running means."""
-        if self.plan.interreflection:
+        if self.plan.interreflection and len(self.elements):
             operator = ExchangeOperator(self.device, exchange, self.plan.columns.n_groups)
             mean_reflectance = np.einsum("r,rc->c", exchange.element_area, reflectance) / exchange.element_area.sum()
             if self._deflation is None:
