@@ -110,15 +110,33 @@ inline float hr_path_number(const uint k, const uint depth, const uint place, co
     return hr_random(hr_combine(seed ^ 0xa511e9b3u, k), 8 * depth + place);
 }
 
-/* Largest lane of the groups. */
-inline float hr_largest(const float8 *groups, const uint n)
+#ifdef HR_GROUPS
+/* sum += gain * weight * row of a table of spectra; eight bands at a time. */
+inline void hr_add_light(float8 *sum, const float gain, const float8 *weight, __global const float *table,
+                         const uint row)
 {
-    float8 most = groups[0];
-    for (uint g = 1; g < n; ++g)
-        most = groups[g] > most ? groups[g] : most;
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        sum[g] += gain * weight[g] * vload8((size_t)row * HR_GROUPS + g, table);
+}
+
+inline void hr_fill(float8 *weight, const float value)
+{
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        weight[g] = (float8)(value);
+}
+
+/* Multiplies the weight with a row of a table of reflectances; returns its largest band. */
+inline float hr_reflect(float8 *weight, __global const float *table, const uint row)
+{
+    float8 most = (float8)(0.0f);
+    for (uint g = 0; g < HR_GROUPS; ++g) {
+        weight[g] *= vload8((size_t)row * HR_GROUPS + g, table);
+        most = weight[g] > most ? weight[g] : most;
+    }
     const float4 a = most.lo > most.hi ? most.lo : most.hi;
     const float2 b = a.lo > a.hi ? a.lo : a.hi;
     return b.x > b.y ? b.x : b.y;
 }
+#endif
 
 #endif

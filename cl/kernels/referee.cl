@@ -1,10 +1,10 @@
 /* Unbiased paths from readings, all bands at once; they share rays, emitters and random numbers with the solver, and
    neither elements nor exchange. */
-#include "include/hr_referee.h"
-
 #ifndef HR_GROUPS
 #error "HR_GROUPS must be set by the host: groups of eight bands"
 #endif
+
+#include "include/hr_referee.h"
 
 /* Paths up to this bounce end only where nothing is reflected. */
 #define HR_ROULETTE_FROM 2u
@@ -49,8 +49,8 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const float *emission,       /* (n_emitters, 8 HR_GROUPS) [W m^-2], [W sr^-1] */
                             __global const float *sky,            /* (8 HR_GROUPS,) pi L [W m^-2]                 */
                             __global float *irradiance,           /* (n_items, 8 HR_GROUPS) [W m^-2]              */
-                            __global float *tally, /* (n_items, 4) rays that began inside solids; weight left at the
-                                                      depth limit; rays; paths                                    */
+                            __global float *tally, /* (n_items, 3) paths that began inside a solid; weight left at the
+                                                      depth limit; rays                                           */
                             const uint n_scrambles, const uint n_chunks, const uint n_emitters, const uint first_path,
                             const uint n_paths, const float direct_chance, const uint depth_limit, const uint seed,
                             const float scale, const uint n_items)
@@ -63,18 +63,15 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
     const uint point = i / n_chunks / n_scrambles;
     const uint path_seed = hr_combine(hr_combine(seed ^ 0x68bc21ebu, point), scramble);
     float8 sum[HR_GROUPS], weight[HR_GROUPS];
-    for (uint g = 0; g < HR_GROUPS; ++g)
-        sum[g] = (float8)(0.0f);
-    float4 counts = (float4)(0.0f);
+    hr_fill(sum, 0.0f);
+    float3 counts = (float3)(0.0f);
 
     for (uint k = first_path + chunk; k < first_path + n_paths; k += n_chunks) {
         float3 x = hr_load3(position, point);
         float3 n = hr_load3(normal, point);
         uint own = HR_NONE;
         float most = 1.0f, guesses = 0.0f;
-        for (uint g = 0; g < HR_GROUPS; ++g)
-            weight[g] = (float8)(1.0f);
-        counts.w += 1.0f;
+        hr_fill(weight, 1.0f);
         for (uint depth = 0;; ++depth) {
             const float3 d = hr_cosine_direction(n, hr_path_number(k, depth, 0, path_seed),
                                                  hr_path_number(k, depth, 1, path_seed));
@@ -82,8 +79,7 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
             counts.z += 1.0f;
             if (hit.patch == HR_NONE) {
                 if (d.z > 0.0f)
-                    for (uint g = 0; g < HR_GROUPS; ++g)
-                        sum[g] += weight[g] * vload8(g, sky);
+                    hr_add_light(sum, 1.0f, weight, sky, 0);
                 break;
             }
             const float3 y = hr_patch_point(hit.patch, hit.u, hit.v, HR_PATCH);
@@ -95,8 +91,7 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                                                                : hr_lamp_chance(hr_lamp_guess(x, n, met, emitter_power,
                                                                                               HR_EMITTER, HR_PATCH),
                                                                                 guesses, n_emitters));
-                for (uint g = 0; g < HR_GROUPS; ++g)
-                    sum[g] += gain * weight[g] * vload8((size_t)met * HR_GROUPS + g, emission);
+                hr_add_light(sum, gain, weight, emission, met);
             }
             const uint material = side_material[2 * hit.patch + hit.side];
             if (material == HR_NONE) {
@@ -104,10 +99,8 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                     counts.x += 1.0f;
                 break;
             }
-            for (uint g = 0; g < HR_GROUPS; ++g)
-                weight[g] *= vload8((size_t)material * HR_GROUPS + g, reflectance);
             const float before = most;
-            most = hr_largest(weight, HR_GROUPS);
+            most = hr_reflect(weight, reflectance, material);
             if (most <= 0.0f)
                 break;
             if (depth + 1 >= depth_limit) {
@@ -137,11 +130,10 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                                             HR_BVH);
             counts.z += 1.0f;
             if (gain > 0.0f)
-                for (uint g = 0; g < HR_GROUPS; ++g)
-                    sum[g] += gain * weight[g] * vload8((size_t)lamp * HR_GROUPS + g, emission);
+                hr_add_light(sum, gain, weight, emission, lamp);
         }
     }
     for (uint g = 0; g < HR_GROUPS; ++g)
         vstore8(sum[g], (size_t)i * HR_GROUPS + g, irradiance);
-    vstore4(counts, i, tally);
+    vstore3(counts, i, tally);
 }

@@ -11,7 +11,8 @@ import numpy as np
 from hradiosity.device import Device
 from hradiosity.model.scene import Scene
 from hradiosity.readings.moments import ReadingMoments
-from hradiosity.readings.paths import PathTotals, RefereeSamples, prepare_referee, rounds, trace_round
+from hradiosity.readings.path_scene import prepare_referee
+from hradiosity.readings.paths import PathTotals, RefereeSamples, rounds, trace_round
 from hradiosity.solution import Readings
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.transport.device_scene import upload_scene

@@ -20,7 +20,8 @@ from scipy.stats import t as student
 
 from hradiosity.model.scene import Sensor
 from hradiosity.radiosity.referee import Referee, run_referee
-from hradiosity.readings.paths import SCRAMBLES, PathTotals, prepare_referee, trace_referee, trace_round
+from hradiosity.readings.path_scene import prepare_referee
+from hradiosity.readings.paths import SCRAMBLES, PathTotals, trace_referee, trace_round
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.visibility import trace_closest
 from hradiosity.transport.device_scene import upload_scene
