@@ -98,7 +98,7 @@ class Plan:
     columns : right-hand sides
     n_bands, n_patches, n_emitters, n_readings : sizes of the scene
     element_size : edge of a row element [m]
-    n_elements : estimated number of row elements
+    n_elements : number of row elements
     rays_per_element, light_points, light_samples, gather_samples, replicates : samples of each kind, per replicate
     occlusion : whether shadow rays are traced
     interreflection : whether reflected light is computed
@@ -130,7 +130,7 @@ class Plan:
         out = [effect.line(width) for effect in self.effects]
         rays = self.replicates * (self.n_elements * self.rays_per_element + 2 * self.n_readings * self.gather_samples)
         out += [
-            f"{self.n_patches} patches in about {self.n_elements} elements of {self.element_size:.3g} m; "
+            f"{self.n_patches} patches in {self.n_elements} elements of about {self.element_size:.3g} m; "
             f"emitters: {self.n_emitters}, readings: {self.n_readings}, bands: {self.n_bands}",
             f"about {rays / 1e6:.2g} million rays and as many towards the lamps, in {self.replicates} replicates; "
             f"{self.memory_bytes / 2**20:.0f} MiB",

@@ -113,10 +113,17 @@ def make_plan(
         replicates=replicates,
         occlusion=occlusion.needed,
         interreflection=interreflection.needed,
-        memory_bytes=_memory(n_elements, options, columns, n_readings, len(scene.emitters)),
+        memory_bytes=0,
         seconds=None,
     )
-    return plan if calibration is None else _with_seconds(plan, calibration)
+    return sized(plan, n_elements, calibration)
+
+
+def sized(plan: Plan, n_elements: int, calibration: Calibration | None = None) -> Plan:
+    """The plan for another number of elements than it was made for, memory and seconds included."""
+    changed = replace(plan, n_elements=n_elements)
+    changed = replace(changed, memory_bytes=_memory(changed))
+    return changed if calibration is None else _with_seconds(changed, calibration)
 
 
 def _with_seconds(plan: Plan, calibration: Calibration) -> Plan:
@@ -131,7 +138,7 @@ def _with_seconds(plan: Plan, calibration: Calibration) -> Plan:
     saved = {
         "occlusion": shadows,
         "interreflection": reflection,
-        "every band": rays * plan.n_bands * calibration.solve_s_per_ray_column * max(0.0, 1.0 - share),
+        "bands singly": rays * plan.n_bands * calibration.solve_s_per_ray_column * max(0.0, 1.0 - share),
     }
     seconds = rays * (1.0 / calibration.exchange_rays_per_s + calibration.exchange_s_per_ray)
     seconds += shadows if plan.occlusion else 0.0
@@ -164,8 +171,8 @@ def _interreflection(scene: Scene, options: Options) -> Effect:
 def _openness(lit: LitSides) -> Effect:
     n_open = int(lit.open.sum())
     if n_open == 0:
-        return Effect("outside", False, f"all {len(lit.open)} lit spaces are closed")
-    return Effect("outside", True, f"rays leave {n_open} of {len(lit.open)} lit spaces")
+        return Effect("outside", False, f"lit spaces: {len(lit.open)}, none of them open")
+    return Effect("outside", True, f"lit spaces: {len(lit.open)}, open ones: {n_open}")
 
 
 def _backs(scene: Scene, lit: LitSides) -> Effect:
@@ -179,13 +186,12 @@ def _bands(scene: Scene, columns: SpectralColumns) -> Effect:
     n = len(scene.bands)
     if columns.n_columns < n:
         reason = f"{n} bands follow exactly from {columns.n_columns} right-hand sides in {columns.n_classes} classes"
-        return Effect("every band", False, reason)
-    return Effect("every band", True, f"all {n} bands differ in reflectance or light")
+        return Effect("bands singly", False, reason)
+    return Effect("bands singly", True, f"all {n} bands differ in reflectance or light")
 
 
-def _memory(n_elements: int, options: Options, columns: SpectralColumns, n_readings: int, n_emitters: int) -> int:
+def _memory(plan: Plan) -> int:
     """Bytes of the arrays that grow: hits, links, columns of the solver, paths."""
-    per_element = 8 * options.rays_per_element + 24 * options.rays_per_element + 4 * n_emitters * 3
-    state = 8 * 32 * columns.n_groups * 4
-    paths = 16 * n_readings * options.gather_samples // options.replicates
-    return n_elements * (per_element + state) + paths
+    per_element = 32 * plan.rays_per_element + 12 * plan.n_emitters
+    state = 8 * 32 * plan.columns.n_groups * 4
+    return plan.n_elements * (per_element + state) + 16 * plan.n_readings * plan.gather_samples

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 import time
-from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, field
 from types import TracebackType
@@ -36,7 +35,7 @@ class Expectation:
         self._done.append((state.replicate, state.seconds))
         recent = self._done[-4:]
         steps = recent[-1][0] - recent[0][0]
-        if state.replicate == 0 or steps <= 0:
+        if steps <= 0:
             return None
         each = (recent[-1][1] - recent[0][1]) / steps
         wanted = float(state.replicates)
@@ -46,8 +45,8 @@ class Expectation:
         return left if self.limit is None else max(0.0, min(left, self.limit + each - state.seconds))
 
 
-class Display(ABC):
-    """Shows a run; used as a context for the time that it goes on."""
+class Display:
+    """Shows nothing; others show a run. Used as a context for the time that it goes on."""
 
     def __enter__(self) -> Self:
         return self
@@ -55,45 +54,28 @@ class Display(ABC):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Nothing to close."""
+        self.close()
 
-    @abstractmethod
+    def close(self) -> None:
+        """Stop drawing."""
+
     def lines(self, lines: Sequence[str], *, title: str = "") -> None:
         """Lasting lines: plan, tables, remarks."""
 
-    @abstractmethod
     def building(self) -> None:
         """Kernels are being built, which takes a while."""
 
-    @abstractmethod
     def stage(self, name: str) -> None:
-        """Something other than the solver has begun."""
+        """Something other than the solver goes on."""
 
-    @abstractmethod
     def state(self, state: State, remaining: float | None) -> None:
-        """The run got this far."""
+        """The solver got this far."""
 
     def data(self, event: str, values: dict[str, Any]) -> None:
         """Something for programs."""
 
 
-class QuietDisplay(Display):
-    """Shows nothing."""
-
-    def lines(self, lines: Sequence[str], *, title: str = "") -> None:
-        """Nothing."""
-
-    def building(self) -> None:
-        """Nothing."""
-
-    def stage(self, name: str) -> None:
-        """Nothing."""
-
-    def state(self, state: State, remaining: float | None) -> None:
-        """Nothing."""
-
-
-class JsonDisplay(QuietDisplay):
+class JsonDisplay(Display):
     """One JSON object a line on standard output; ``event`` says what it is."""
 
     def building(self) -> None:
@@ -150,6 +132,7 @@ class LiveDisplay(Display):
 
     def __init__(self, console: Console, doing: Callable[[], str]) -> None:
         from rich.live import Live
+        from rich.spinner import Spinner
 
         self._console = console
         self._doing = doing
@@ -157,6 +140,7 @@ class LiveDisplay(Display):
         self._building = False
         self._last: tuple[State, float | None, float] | None = None
         self._start = time.perf_counter()
+        self._spinner = Spinner("dots")
         self._live = Live(
             console=console, get_renderable=self._render, refresh_per_second=8, transient=True, auto_refresh=True
         )
@@ -165,20 +149,20 @@ class LiveDisplay(Display):
         self._live.start()
         return self
 
-    def __exit__(
-        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
-    ) -> None:
+    def close(self) -> None:
+        """Take the live part away."""
         self._live.stop()
 
     def lines(self, lines: Sequence[str], *, title: str = "") -> None:
         """Above the live part."""
         from rich.text import Text
 
-        if title:
-            self._console.print(Text(f"\n{title}", style="bold"))
+        text = Text(f"\n{title}\n" if title else "", style="bold")
         for line in lines:
-            style = "yellow" if line.startswith("warning:") else ""
-            self._console.print(Text(f"  {line}" if title else line, style=style), soft_wrap=True)
+            style = "not bold yellow" if line.startswith("warning:") else "not bold"
+            text.append(f"  {line}\n" if title else f"{line}\n", style)
+        if lines:
+            self._console.print(text, soft_wrap=True, end="")
 
     def building(self) -> None:
         """In place of the stage, until the next state."""
@@ -197,20 +181,24 @@ class LiveDisplay(Display):
     def _render(self) -> RenderableType:
         from rich.console import Group
         from rich.progress_bar import ProgressBar
-        from rich.spinner import Spinner
+        from rich.table import Table
         from rich.text import Text
 
         name = BUILDING if self._building else self._name or self._doing() or "starting"
-        rows: list[RenderableType] = [Spinner("dots", text=Text(f" {name}", style="bold"))]
+        self._spinner.update(text=Text(f" {name}", style="bold"))
+        rows: list[RenderableType] = [self._spinner]
         now = time.perf_counter()
         if self._last is None:
-            return Group(*rows, Text(f"  {clock(now - self._start, None)}", style="dim"))
+            return Group(*rows, Text(f"  {clock(now - self._start)}", style="dim"))
         state, remaining, at = self._last
         left = None if remaining is None else max(0.0, remaining - (now - at))
         done = state.seconds + (now - at)
         if left is not None:
-            rows.append(ProgressBar(total=max(done + left, 1e-9), completed=done, width=40))
-        rows.append(Text(f"  {where(state)}"))
+            bar = Table.grid(padding=(0, 2))
+            bar.add_row("", ProgressBar(total=max(done + left, 1e-9), completed=done, width=40), where(state))
+            rows.append(bar)
+        else:
+            rows.append(Text(f"  {where(state)}"))
         rows += [Text(f"  {fact}", style="dim") for fact in facts(state)]
         return Group(*rows, Text(f"  {clock(done, left)}", style="dim"))
 
@@ -231,16 +219,16 @@ def facts(state: State) -> list[str]:
     return found
 
 
-def clock(seconds: float, remaining: float | None) -> str:
+def clock(seconds: float, remaining: float | None = None) -> str:
     """Elapsed and expected time."""
-    left = "" if remaining is None else f", about {remaining:.0f} s to go"
+    left = "" if not remaining else f", about {remaining:.{0 if remaining > 9.5 else 1}f} s to go"
     return f"{seconds:.1f} s{left}"
 
 
 def open_display(*, quiet: bool, json: bool, doing: Callable[[], str]) -> Display:
     """The display that fits the options and the terminal."""
     if quiet:
-        return QuietDisplay()
+        return Display()
     if json:
         return JsonDisplay()
     from rich.console import Console

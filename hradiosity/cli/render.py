@@ -16,15 +16,16 @@ def render(
     *,
     out: Annotated[Path | None, Parameter(name=["--out", "-o"], group=OUTPUT)] = None,
     settings: Settings | None = None,
-    resume: Annotated[bool, Parameter(negative="", group=OUTPUT)] = False,
+    resume: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     referee: Annotated[int | None, Parameter(group=EFFORT)] = None,
-    quiet: Annotated[bool, Parameter(negative="", group=OUTPUT)] = False,
-    json: Annotated[bool, Parameter(negative="", group=OUTPUT)] = False,
+    quiet: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
+    json: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
 ) -> int:
     """Compute the light of a scene: spectra at its sensors and on its surfaces, with 95 % intervals.
 
-    Ctrl-C keeps what is known and says how to go on. Exit status: 0 good, 2 bad input, 3 accuracy not reached in the
-    time (results written), 130 interrupted (results written).
+    Ctrl-C keeps what is known and says how to go on.
+
+    Exit status: 0 good, 2 bad input, 3 accuracy not reached, 130 interrupted; results are written in all but 2.
 
     Parameters
     ----------

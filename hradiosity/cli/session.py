@@ -5,13 +5,14 @@ from __future__ import annotations
 import shlex
 import sys
 import time
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.display import Display, Expectation, open_display
 from hradiosity.cli.interrupts import held_back, termination_interrupts
+from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
 from hradiosity.cli.text import account_line, enclosed_lines, note_lines, sensor_lines, time_lines
 from hradiosity.device import Device
 from hradiosity.errors import OutputError
@@ -23,6 +24,7 @@ from hradiosity.io.run_record import plan_record, sensor_record
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
+from hradiosity.radiosity.referee import Referee
 from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.solution import Solution
 
@@ -113,6 +115,8 @@ class _Session:
             quiet=request.quiet, json=request.json, doing=lambda: self._solver.record.stage
         )
         self._published = False
+        self._more: dict[str, Any] = {}
+        self._closing: list[tuple[str, list[str]]] = []
 
     @property
     def nothing_known(self) -> bool:
@@ -133,7 +137,10 @@ class _Session:
             interrupted = self._solve(digest)
             if interrupted and self._solver.replicates == 0:
                 raise KeyboardInterrupt
-            return self._finish(digest, interrupted)
+            solution = self._solver.solution()
+            if self.request.referee and self.scene.sensors and not interrupted:
+                interrupted = self._referee(solution, self.request.referee)
+            return self._finish(solution, digest, interrupted)
 
     def _announce_builds(self) -> None:
         """Say so when a kernel is built that no earlier run had built."""
@@ -172,9 +179,26 @@ class _Session:
             return True
         return False
 
-    def _finish(self, digest: str, interrupted: bool) -> int:
+    def _referee(self, solution: Solution, paths: int) -> bool:
+        """Trace unbiased paths and compare; returns whether that was interrupted."""
+        start = time.perf_counter()
+        referee = Referee(self.scene, self._device, paths, self.request.options.seed)
+        state, interrupted = trace_referee(referee, self._display)
+        self.seconds["referee"] = time.perf_counter() - start
+        if state is None:
+            return interrupted
+        reference = referee.readings()
+        with held_back():
+            write_referee(self.partial, reference, self.scene.bands)
+        found = comparison(solution.readings, reference)
+        self._more["referee"] = asdict(state)
+        if found is not None:
+            self._more["referee"] |= {"comparison": asdict(found)}
+            self._closing.append(("Against the referee's unbiased paths", comparison_lines(found)))
+        return interrupted
+
+    def _finish(self, solution: Solution, digest: str, interrupted: bool) -> int:
         """Write the results, put them in place, and say what came out."""
-        solution = self._solver.solution()
         start = time.perf_counter()
         self._display.stage("writing the results")
         with held_back():
@@ -182,10 +206,11 @@ class _Session:
             self.seconds["writing"] = time.perf_counter() - start
             state, code = self._outcome(interrupted)
             seconds = {**solution.record["stage_seconds"], **self.seconds}
-            write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command()})
+            write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command(), **self._more})
             publish(self.out)
             self._published = True
         self._remember(solution)
+        self._display.close()
         self._report(solution, seconds, state)
         return code
 
@@ -208,6 +233,8 @@ class _Session:
         if solution.readings:
             display.lines(sensor_lines(solution.readings), title="Illuminance, with 95 % intervals")
             display.lines(enclosed_lines(solution.readings))
+        for title, lines in self._closing:
+            display.lines(lines, title=title)
         display.lines(time_lines(seconds), title="Where the time went")
         display.lines(["", account_line(solution), f"results are in {_short(self.out)}"])
         if state == "interrupted":
@@ -218,6 +245,7 @@ class _Session:
             "state": state,
             "out": str(self.out),
             "sensors": {name: sensor_record(found) for name, found in solution.readings.items()},
+            **self._more,
         }
         display.data("result", result)
 

@@ -24,8 +24,7 @@ class Settings:
     Parameters
     ----------
     accuracy
-        Go on until the 95 % interval of every reading is narrower than this, like 1%: half its width over the value,
-        or over 5 % of the sensor's mean for darker readings.
+        Like 1%: go on until half the 95 % interval of every reading is below this share of its value.
     time
         Start no further replicate after this time, like 30s or 2min.
     replicates

@@ -56,11 +56,11 @@ def spectra_table(readings: Mapping[str, Readings], bands: Bands, *, half_width:
 
 
 def _table(columns: Sequence[str], parts: Iterable[tuple[str, NDArray[np.float64]]]) -> bytes:
-    """CSV text, UTF-8: name of the sensor, index in it, numbers."""
+    """CSV text, UTF-8: name of the sensor, index in it, numbers; adding 0 turns −0 into 0."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(columns)
     for name, numbers in parts:
-        for index, row in enumerate(numbers.tolist()):
+        for index, row in enumerate((numbers + 0.0).tolist()):
             writer.writerow([name, index, *(f"{value:.9g}" for value in row)])
     return text.getvalue().encode()

@@ -14,7 +14,7 @@ from hradiosity.device import Device
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, Plan
-from hradiosity.planning import make_plan
+from hradiosity.planning import make_plan, sized
 from hradiosity.radiosity.checkpoint import pack_record, part_of, unpack_record
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
 from hradiosity.readings.moments import ReadingMoments
@@ -201,7 +201,9 @@ class RadiositySolver:
                 bvh = build_bvh(self.device, self.scene.patches)
                 lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
                 plan = make_plan(self.scene, self.options, lit, self._calibration)
-                self._surfaces = SurfaceSolver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
+                surfaces = SurfaceSolver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
+                surfaces.plan = sized(plan, len(surfaces.elements), self._calibration)
+                self._surfaces = surfaces
             self.cpu_seconds += time.process_time() - cpu
         return self._surfaces
 
