@@ -91,13 +91,27 @@ def build_elements(
         if grouping
         else np.arange(len(cell_side), dtype=np.int64)
     )
+    return join_cells(patches, divisions.astype(np.uint32), first_cell, cell_side, side_material, cell_row)
+
+
+def join_cells(
+    patches: Patches,
+    divisions: NDArray[np.uint32],
+    first_cell: NDArray[np.uint32],
+    cell_side: NDArray[np.uint32],
+    side_material: NDArray[np.uint32],
+    cell_row: NDArray[np.int64],
+) -> Elements:
+    """Elements of given cells; arguments as the fields of `Elements`."""
+    nu, nv = divisions.T.astype(np.int64)
+    count = np.where(patches.is_triangle, nu * nu, nu * nv)
     order = np.argsort(cell_row, kind="stable")
     n_rows = int(cell_row.max()) + 1 if len(cell_row) else 0
     row_start = np.searchsorted(cell_row[order], np.arange(n_rows + 1)).astype(np.uint32)
     cell_area = (patches.area / count)[cell_side // 2]
     area = np.bincount(cell_row, weights=cell_area, minlength=n_rows).astype(np.float64)
     return Elements(
-        divisions=divisions.astype(np.uint32),
+        divisions=divisions,
         first_cell=first_cell,
         cell_row=cell_row.astype(np.uint32),
         cell_side=cell_side,

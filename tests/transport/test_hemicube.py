@@ -18,8 +18,8 @@ ROOM = (4.0, 3.0, 2.5)
 def hemicube_of(device, patches, resolution=256, size=10.0):
     """Hemicube over patches that are cut into elements of about `size`, one element a cell."""
     scene = scene_of(patches, [[0.5]], [(0, [1.0])], np.zeros((1, 3)), [[0, 0, 1]])
-    lit = np.column_stack([np.ones(len(patches), bool), patches.solid < 0])
-    elements = build_elements(patches, lit, np.array([True]), size, grouping=False)
+    space = np.column_stack([np.zeros(len(patches), int), np.where(patches.solid < 0, 0, -1)])
+    elements = build_elements(patches, space, np.array([True]), size, grouping=False)
     on_device = upload_scene(device, scene, build_bvh(device, patches), occlusion=True)
     return Hemicube(on_device, patches, elements, resolution), elements
 
@@ -145,7 +145,7 @@ def test_the_factors_of_a_closed_room_add_up_to_one_next_to_its_walls(device):
 def test_the_factors_of_a_furnished_room_add_up_to_one(device):
     rng = np.random.default_rng(7)
     patches = furnished(rng)
-    cube, elements = hemicube_of(device, patches, resolution=128, size=0.3)
+    cube, _ = hemicube_of(device, patches, resolution=128, size=0.3)
     patch = rng.integers(len(patches), size=384)
     uv = rng.uniform(0.001, 0.999, (384, 2))
     uv[:96, 0] = 1e-3

@@ -180,7 +180,8 @@ def delta_factors(resolution: int) -> NDArray[np.float32]:
     top = pixel / (np.pi * (across[None, :] ** 2 + across[:, None] ** 2 + 1.0) ** 2)
     side = up[:, None] * pixel / (np.pi * (across[None, :] ** 2 + up[:, None] ** 2 + 1.0) ** 2)
     total = top.sum() + 4.0 * side.sum()
-    return (np.concatenate([top.ravel(), side.ravel()]) / total).astype(np.float32)
+    factors: NDArray[np.float32] = (np.concatenate([top.ravel(), side.ravel()]) / total).astype(np.float32)
+    return factors
 
 
 def _drawn(patches: Patches, scene: DeviceScene) -> dict[str, DeviceArray]:
