@@ -21,7 +21,7 @@ SCRAMBLES = 16
 DEPTH_LIMIT = 4096
 """Bounces after which a path is given up, and its weight reported."""
 ROUND_PATHS = 1 << 19
-"""Paths of one round, about; less than a second of work."""
+"""Paths of one round, about: a second or two of work on a few cores."""
 MIN_ITEMS = 1024
 """Work-items of a round that keep a device busy."""
 

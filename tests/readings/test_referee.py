@@ -77,9 +77,9 @@ def test_uniform_closure_in_a_furnished_room(device):
     lit = scene_of(
         scene.patches, scene.reflectance, list(enumerate(emission)), scene.sensors[0].position, scene.sensors[0].normal
     )
-    samples = referee(device, lit, 8192)
+    samples = referee(device, lit, 4096)
     assert_unbiased(samples, radiosity, floor=1e-5)
-    assert (samples.standard_error < 0.01 * radiosity).all()
+    assert (samples.standard_error < 0.015 * radiosity).all()
     assert samples.lost_weight == 0.0
     assert not samples.enclosed.any()
 
@@ -138,10 +138,10 @@ def test_agrees_with_paths_that_only_meet_lamps(device):
     """Brute force in numpy: cosine bounces that collect what they hit, in a room with boxes under a bright ceiling."""
     scene = two_boxes_in_a_room()
     samples = referee(device, scene, 16384, seed=1)
-    value, error = brute_force(build_bvh(device, scene.patches), scene, 200_000, np.random.default_rng(7))
+    value, error = brute_force(build_bvh(device, scene.patches), scene, 100_000, np.random.default_rng(7))
     spread = np.hypot(samples.standard_error, error)
     assert (np.abs(samples.irradiance - value) < norm.ppf(1 - 1e-5) * spread).all()
-    assert (spread < 0.02 * value).all()
+    assert (spread < 0.03 * value).all()
 
 
 def brute_force(bvh, scene, n, rng):
