@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Literal
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -14,6 +15,8 @@ class Options:
     light_points : points on each row element from which a ray goes to each emitter, all replicates together
     light_samples : shadow rays from a reading to each emitter, all replicates together
     gather_samples : paths from a reading, all replicates together
+    lookup : hit of a path at which the solution is looked up, 2 or 3; the third halves the error of coarse elements
+        and costs about half as much again
     replicates : independent runs whose spread gives the intervals, at least 2
     accuracy : wanted half width of the 95 % interval over the value; more replicates are added until it is reached
     time : wall seconds after which no further replicate starts
@@ -27,6 +30,7 @@ class Options:
     light_points: int = 32
     light_samples: int = 64
     gather_samples: int = 1024
+    lookup: Literal[2, 3] = 2
     replicates: int = 4
     accuracy: float | None = None
     time: float | None = None
@@ -43,6 +47,8 @@ class Options:
                 raise ValueError(f"{name} must be at least {lowest}, is {getattr(self, name)}")
         if self.gather_samples < self.replicates:
             raise ValueError(f"gather_samples must be at least the {self.replicates} replicates")
+        if self.lookup not in (2, 3):
+            raise ValueError(f"lookup must be 2 or 3, is {self.lookup}")
         for name in ("accuracy", "time"):
             value = getattr(self, name)
             if value is not None and not value > 0.0:

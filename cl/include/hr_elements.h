@@ -18,7 +18,7 @@
 #define HR_ELEMENT cell_divisions, side_first_cell, cell_row, cell_side, row_start, row_cell, row_share
 
 /* Cell of the point (u, v) of a patch side, HR_NONE where there is no light. */
-inline uint hr_cell_at(const uint patch, const uint side, const float u, const float v,
+HR_FORCE_INLINE uint hr_cell_at(const uint patch, const uint side, const float u, const float v,
                        __global const uint *cell_divisions, __global const uint *side_first_cell,
                        __global const uint *patch_kind)
 {
@@ -27,8 +27,8 @@ inline uint hr_cell_at(const uint patch, const uint side, const float u, const f
         return HR_NONE;
     const uint nu = cell_divisions[2 * patch];
     const uint nv = cell_divisions[2 * patch + 1];
-    const float fu = clamp(u * (float)nu, 0.0f, (float)nu - 0.5f);
-    const float fv = clamp(v * (float)nv, 0.0f, (float)nv - 0.5f);
+    const float fu = hr_smaller(hr_larger(u * (float)nu, 0.0f), (float)nu - 0.5f);
+    const float fv = hr_smaller(hr_larger(v * (float)nv, 0.0f), (float)nv - 0.5f);
     const uint iu = (uint)fu;
     const uint iv = (uint)fv;
     if (!patch_kind[patch])
@@ -40,7 +40,7 @@ inline uint hr_cell_at(const uint patch, const uint side, const float u, const f
 }
 
 /* (u, v) on the patch of a point (s, t) of the unit square that is spread evenly over one cell. */
-inline float2 hr_cell_point(const uint cell, const float s, const float t, __global const uint *cell_divisions,
+HR_FORCE_INLINE float2 hr_cell_point(const uint cell, const float s, const float t, __global const uint *cell_divisions,
                             __global const uint *side_first_cell, __global const uint *cell_side,
                             __global const uint *patch_kind)
 {
@@ -69,7 +69,7 @@ typedef struct {
     float3 normal;
 } hr_place;
 
-inline hr_place hr_place_on_row(const uint row, const float s, const float t, HR_ELEMENT_PARAMS, HR_PATCH_PARAMS)
+HR_FORCE_INLINE hr_place hr_place_on_row(const uint row, const float s, const float t, HR_ELEMENT_PARAMS, HR_PATCH_PARAMS)
 {
     uint low = row_start[row];
     uint high = row_start[row + 1] - 1;
@@ -81,7 +81,7 @@ inline hr_place hr_place_on_row(const uint row, const float s, const float t, HR
             low = middle + 1;
     }
     const float from = low > row_start[row] ? row_share[low - 1] : 0.0f;
-    const float within = clamp((s - from) / (row_share[low] - from), 0.0f, 0.99999994f);
+    const float within = hr_smaller(hr_larger((s - from) / (row_share[low] - from), 0.0f), 0.99999994f);
     const uint cell = row_cell[low];
     const float2 uv = hr_cell_point(cell, within, t, cell_divisions, side_first_cell, cell_side, patch_kind);
     hr_place place;

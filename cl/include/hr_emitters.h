@@ -15,36 +15,37 @@
 #define HR_FAR 3.0f
 
 /* Area of an area emitter that is far from x, else 0. */
-inline float hr_far_area(const float3 x, const uint emitter, HR_EMITTER_PARAMS)
+HR_FORCE_INLINE float hr_far_area(const float3 x, const uint emitter, HR_EMITTER_PARAMS)
 {
-    const float2 extent = vload2(emitter, emitter_extent);
+    const float area = emitter_extent[2 * emitter];
+    const float diameter = emitter_extent[2 * emitter + 1];
     const float3 d = hr_load3(emitter_position, emitter) - x;
-    return dot(d, d) >= HR_FAR * HR_FAR * extent.y * extent.y ? extent.x : 0.0f;
+    return hr_dot(d, d) >= HR_FAR * HR_FAR * diameter * diameter ? area : 0.0f;
 }
 
 /* Unit normal of the side of an emitting patch that looks at x; the front if only that shines. */
-inline float3 hr_emitter_normal(const uint patch, const uint two_sided, const float3 x, HR_PATCH_PARAMS)
+HR_FORCE_INLINE float3 hr_emitter_normal(const uint patch, const uint two_sided, const float3 x, HR_PATCH_PARAMS)
 {
     const float3 m = hr_load3(patch_normal, patch);
-    const int behind = dot(m, x - hr_load3(patch_origin, patch)) < 0.0f;
+    const int behind = hr_dot(m, x - hr_load3(patch_origin, patch)) < 0.0f;
     return behind && two_sided ? -m : m;
 }
 
 /* Irradiance at the point x with unit normal n, without obstacles, for unit exitance of the emitter [1], or for unit
    intensity of a point source [m^-2]. `patch` is HR_NONE for a point source. */
-inline float hr_emitter_factor(const float3 x, const float3 n, const uint emitter, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
+HR_FORCE_INLINE float hr_emitter_factor(const float3 x, const float3 n, const uint emitter, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
 {
     const uint patch = emitter_patch[emitter];
     if (patch != HR_NONE)
         return hr_point_to_patch(x, n, patch, hr_emitter_normal(patch, emitter_two_sided[emitter], x, HR_PATCH),
                                  HR_PATCH);
     const float3 d = hr_load3(emitter_position, emitter) - x;
-    const float r2 = fmax(dot(d, d), 1.0e-30f);
-    return fmax(dot(n, d), 0.0f) / (r2 * sqrt(r2));
+    const float r2 = hr_larger(hr_dot(d, d), 1.0e-30f);
+    return hr_larger(hr_dot(n, d), 0.0f) / (r2 * sqrt(r2));
 }
 
 /* Point (s, t) of the unit square on the emitter. */
-inline float3 hr_emitter_point(const uint emitter, const float s, const float t, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
+HR_FORCE_INLINE float3 hr_emitter_point(const uint emitter, const float s, const float t, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
 {
     const uint patch = emitter_patch[emitter];
     if (patch == HR_NONE)
@@ -55,7 +56,7 @@ inline float3 hr_emitter_point(const uint emitter, const float s, const float t,
 
 /* Weight of the ray from x to the point y of the emitter, what it would bring if nothing stood in its way:
    cos cos / (pi r^2) [m^-2], and cos / r^2 [m^-2] for a point source. */
-inline float hr_emitter_weight(const float3 x, const float3 n, const float3 y, const uint emitter, HR_EMITTER_PARAMS,
+HR_FORCE_INLINE float hr_emitter_weight(const float3 x, const float3 n, const float3 y, const uint emitter, HR_EMITTER_PARAMS,
                                HR_PATCH_PARAMS)
 {
     const uint patch = emitter_patch[emitter];

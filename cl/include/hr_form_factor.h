@@ -6,11 +6,11 @@
 
 /* atan2(y, x) for y >= 0. Polynomial of the Cephes library's atanf (Moshier); error below 2e-7.
    The driver's own atan2 is not vectorised and costs as much as a ray. */
-inline float hr_atan2_upper(const float y, const float x)
+HR_FORCE_INLINE float hr_atan2_upper(const float y, const float x)
 {
-    const float ax = fabs(x);
-    const float large = fmax(ax, y);
-    const float small = fmin(ax, y);
+    const float ax = hr_magnitude(x);
+    const float large = hr_larger(ax, y);
+    const float small = hr_smaller(ax, y);
     float t = large > 0.0f ? small / large : 0.0f;
     const int reduced = t > 0.41421356f;
     t = reduced ? (t - 1.0f) / (t + 1.0f) : t;
@@ -23,19 +23,19 @@ inline float hr_atan2_upper(const float y, const float x)
 
 /* n . c Theta / |c| of one edge: r from the point to the edge's start, e the edge itself, c = r x e.
    The edge vector keeps digits that the product of two end points would lose (Lambert's formula). */
-inline float hr_edge_term(const float3 n, const float3 r, const float3 e)
+HR_FORCE_INLINE float hr_edge_term(const float3 n, const float3 r, const float3 e)
 {
-    const float3 c = cross(r, e);
-    const float length_c = sqrt(dot(c, c));
-    const float d = dot(r, r + e);
-    if (length_c <= 1.0e-7f * fabs(d))
-        return d > 0.0f ? dot(n, c) / d : 0.0f;
-    return dot(n, c) * hr_atan2_upper(length_c, d) / length_c;
+    const float3 c = hr_cross(r, e);
+    const float length_c = sqrt(hr_dot(c, c));
+    const float d = hr_dot(r, r + e);
+    if (length_c <= 1.0e-7f * hr_magnitude(d))
+        return d > 0.0f ? hr_dot(n, c) / d : 0.0f;
+    return hr_dot(n, c) * hr_atan2_upper(length_c, d) / length_c;
 }
 
 /* Form factor of the point with unit normal n to the polygon with corners r[k] (seen from the point), by Lambert's
    formula over the part above the horizon. Positive whatever the winding. [1] */
-inline float hr_polygon_factor(const float3 n, const float3 *r, const uint count)
+HR_FORCE_INLINE float hr_polygon_factor(const float3 n, const float3 *r, const uint count)
 {
     float sum = 0.0f;
     float3 first = (float3)(0.0f);
@@ -44,8 +44,8 @@ inline float hr_polygon_factor(const float3 n, const float3 *r, const uint count
     for (uint k = 0; k < count; ++k) {
         const float3 a = r[k];
         const float3 b = r[k + 1 == count ? 0 : k + 1];
-        const float ha = dot(n, a);
-        const float hb = dot(n, b);
+        const float ha = hr_dot(n, a);
+        const float hb = hr_dot(n, b);
         if (ha < 0.0f && hb < 0.0f)
             continue;
         const float3 start = ha >= 0.0f ? a : a + (ha / (ha - hb)) * (b - a);
@@ -53,7 +53,7 @@ inline float hr_polygon_factor(const float3 n, const float3 *r, const uint count
         if (started) {
             /* The polygon left the horizon at `last` and comes back at `start`. */
             const float3 along = start - last;
-            if (dot(along, along) > 0.0f)
+            if (hr_dot(along, along) > 0.0f)
                 sum += hr_edge_term(n, last, along);
         } else {
             first = start;
@@ -64,26 +64,26 @@ inline float hr_polygon_factor(const float3 n, const float3 *r, const uint count
     }
     if (started) {
         const float3 along = first - last;
-        if (dot(along, along) > 0.0f)
+        if (hr_dot(along, along) > 0.0f)
             sum += hr_edge_term(n, last, along);
     }
-    return 0.5f * HR_INV_PI * fabs(sum);
+    return 0.5f * HR_INV_PI * hr_magnitude(sum);
 }
 
 /* Lambert's formula when all corners are above the horizon, with the edges as given and not as differences. */
-inline float hr_visible_polygon_factor(const float3 n, const float3 *r, const float3 *e, const uint count)
+HR_FORCE_INLINE float hr_visible_polygon_factor(const float3 n, const float3 *r, const float3 *e, const uint count)
 {
     float sum = 0.0f;
     for (uint k = 0; k < count; ++k)
         sum += hr_edge_term(n, r[k], e[k]);
-    return 0.5f * HR_INV_PI * fabs(sum);
+    return 0.5f * HR_INV_PI * hr_magnitude(sum);
 }
 
 /* cos cos / (pi r^2) between a point with unit normal n and one at offset d with unit normal m. [m^-2] */
-inline float hr_point_kernel(const float3 n, const float3 d, const float3 m)
+HR_FORCE_INLINE float hr_point_kernel(const float3 n, const float3 d, const float3 m)
 {
-    const float r2 = dot(d, d);
-    return fmax(dot(n, d), 0.0f) * fmax(-dot(m, d), 0.0f) * HR_INV_PI / fmax(r2 * r2, 1.0e-30f);
+    const float r2 = hr_dot(d, d);
+    return hr_larger(hr_dot(n, d), 0.0f) * hr_larger(-hr_dot(m, d), 0.0f) * HR_INV_PI / hr_larger(r2 * r2, 1.0e-30f);
 }
 
 __constant float hr_gauss_node[9] = {0.21132487f, 0.78867513f, 0.11270167f, 0.5f, 0.88729833f,
@@ -92,11 +92,11 @@ __constant float hr_gauss_weight[9] = {0.5f, 0.5f, 0.27777778f, 0.44444444f, 0.2
                                        0.17392742f, 0.32607258f, 0.32607258f, 0.17392742f};
 
 /* Area rule with order x order Gauss points (order 2 to 4); triangles by Duffy's map. [1] */
-inline float hr_area_rule(const float3 n, const float3 r0, const float3 eu, const float3 ev, const float3 m,
+HR_FORCE_INLINE float hr_area_rule(const float3 n, const float3 r0, const float3 eu, const float3 ev, const float3 m,
                           const uint triangle, const uint order)
 {
     const uint offset = order == 2 ? 0 : order == 3 ? 2 : 5;
-    const float3 cr = cross(eu, ev);
+    const float3 cr = hr_cross(eu, ev);
     float sum = 0.0f;
     for (uint i = 0; i < order; ++i) {
         const float u = hr_gauss_node[offset + i];
@@ -107,7 +107,7 @@ inline float hr_area_rule(const float3 n, const float3 r0, const float3 eu, cons
             sum += weight * hr_point_kernel(n, r0 + u * eu + v * ev, m);
         }
     }
-    return sum * sqrt(dot(cr, cr));
+    return sum * sqrt(hr_dot(cr, cr));
 }
 
 /* Heights above a plane below this share of the coordinates are rounding. */
@@ -117,25 +117,26 @@ inline float hr_area_rule(const float3 n, const float3 r0, const float3 eu, cons
    side. Chooses between Lambert's formula and the area rule by distance over size: the closed form loses all digits
    for small far polygons and for ones nearly in the receiver's plane. A point on the patch itself receives nothing
    from it; without a tolerance, rounding would decide between that and everything. [1] */
-inline float hr_point_to_patch(const float3 x, const float3 n, const uint patch, const float3 m, HR_PATCH_PARAMS)
+HR_FORCE_INLINE float hr_point_to_patch(const float3 x, const float3 n, const uint patch, const float3 m,
+                                        HR_PATCH_PARAMS)
 {
     const float3 eu = hr_load3(patch_edge_u, patch);
     const float3 ev = hr_load3(patch_edge_v, patch);
     const float3 r0 = hr_load3(patch_origin, patch) - x;
-    const float3 reach = fmax(fabs(x), fabs(r0));
-    const float rounding = HR_ON_PLANE * fmax(fmax(reach.x, reach.y), reach.z);
-    if (-dot(m, r0) <= rounding)
+    const float rounding = HR_ON_PLANE * hr_larger(hr_largest_magnitude(x), hr_largest_magnitude(r0));
+    if (-hr_dot(m, r0) <= rounding)
         return 0.0f;
     const uint triangle = patch_kind[patch];
     const float3 diagonal = triangle ? ev - eu : eu + ev;
     const float3 centre = r0 + (triangle ? 0.33333333f : 0.5f) * (eu + ev);
-    const float size2 = fmax(fmax(dot(eu, eu), dot(ev, ev)), dot(diagonal, diagonal));
-    const float distance2 = dot(centre, centre);
+    const float size2 = hr_larger(hr_larger(hr_dot(eu, eu), hr_dot(ev, ev)), hr_dot(diagonal, diagonal));
+    const float distance2 = hr_dot(centre, centre);
     const float3 r[4] = {r0, r0 + eu, triangle ? r0 + ev : r0 + eu + ev, r0 + ev};
     const float3 e[4] = {eu, triangle ? ev - eu : ev, triangle ? -ev : -eu, -ev};
     const uint count = triangle ? 3 : 4;
-    const float lowest = fmin(fmin(dot(n, r[0]), dot(n, r[1])), fmin(dot(n, r[2]), dot(n, r[3])));
-    const float highest = fmax(fmax(dot(n, r[0]), dot(n, r[1])), fmax(dot(n, r[2]), dot(n, r[3])));
+    const float h[4] = {hr_dot(n, r[0]), hr_dot(n, r[1]), hr_dot(n, r[2]), hr_dot(n, r[3])};
+    const float lowest = hr_smaller(hr_smaller(h[0], h[1]), hr_smaller(h[2], h[3]));
+    const float highest = hr_larger(hr_larger(h[0], h[1]), hr_larger(h[2], h[3]));
     if (highest <= 0.0f)
         return 0.0f;
     if (lowest >= -rounding) {

@@ -5,22 +5,7 @@
 #ifndef HR_LANES_H
 #define HR_LANES_H
 
-#define HR_FORCE_INLINE inline __attribute__((always_inline))
-
-/* |x|; keeps the sign of -0. */
-HR_FORCE_INLINE float hr_magnitude(float x)
-{
-    return x < 0.0f ? -x : x;
-}
-
-HR_FORCE_INLINE float hr_largest_magnitude(float3 v)
-{
-    const float x = hr_magnitude(v.x);
-    const float y = hr_magnitude(v.y);
-    const float z = hr_magnitude(v.z);
-    const float xy = x > y ? x : y;
-    return xy > z ? xy : z;
-}
+#include "include/hr_types.h"
 
 /* Axis of the largest magnitude: 0, 1 or 2. */
 HR_FORCE_INLINE uint hr_main_axis(float3 v)

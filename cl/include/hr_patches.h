@@ -16,18 +16,18 @@
 #define HR_BACK 1u
 
 /* Low-distortion map of the unit square onto the triangle u + v <= 1 (Heitz 2019). */
-inline float2 hr_square_to_triangle(const float s, const float t)
+HR_FORCE_INLINE float2 hr_square_to_triangle(const float s, const float t)
 {
     return t > s ? (float2)(0.5f * s, t - 0.5f * s) : (float2)(s - 0.5f * t, 0.5f * t);
 }
 
-inline float3 hr_patch_point(const uint patch, const float u, const float v, HR_PATCH_PARAMS)
+HR_FORCE_INLINE float3 hr_patch_point(const uint patch, const float u, const float v, HR_PATCH_PARAMS)
 {
     return hr_load3(patch_origin, patch) + u * hr_load3(patch_edge_u, patch) + v * hr_load3(patch_edge_v, patch);
 }
 
 /* Unit normal of one side. */
-inline float3 hr_side_normal(const uint patch, const uint side, __global const float *patch_normal)
+HR_FORCE_INLINE float3 hr_side_normal(const uint patch, const uint side, __global const float *patch_normal)
 {
     const float3 n = hr_load3(patch_normal, patch);
     return side == HR_FRONT ? n : -n;

@@ -40,7 +40,9 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
                         __global const float *emission,      /* (n_emitters, 8 n_groups) [W m^-2] or [W sr^-1] */
                         __global const float *reflected,     /* (n_rows, 8 n_groups) rho E [W m^-2]            */
                         __global const float *sky,           /* (8 n_groups,) pi L [W m^-2]                    */
+                        __global const float *weight,        /* (8 n_groups,) of a path's brightness           */
                         __global float *irradiance,          /* (n_points, 8 n_groups) [W m^-2]                */
+                        __global float *brightness,          /* (n_points, 2) sums of a path's and its square  */
                         const uint n_samples, const uint n_items)
 {
     const uint point = get_global_id(0);
@@ -50,6 +52,7 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
 #pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
         sum[g] = (float8)(0.0f);
+    float bright_sum = 0.0f, bright_squares = 0.0f;
     for (uint k = 0; k < n_samples; ++k) {
         const size_t i = (size_t)point * n_samples + k;
         const uint row = path_row[i];
@@ -60,6 +63,7 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
         const float2 gain = lit ? vload2(i, path_gain) : (float2)(0.0f);
         __global const float *last = HR_IS_ROW(row) ? reflected + (size_t)row * HR_GROUPS * 8 : sky;
         const float shines = HR_IS_ROW(row) || row == HR_SKY ? 1.0f : 0.0f;
+        float8 bright = (float8)(0.0f);
 #pragma unroll
         for (uint g = 0; g < HR_GROUPS; ++g) {
             float8 arriving = shines * vload8(g, last);
@@ -72,8 +76,15 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
                 arriving *= vload8((size_t)material.x * HR_GROUPS + g, reflectance);
             }
             sum[g] += arriving;
+            bright += vload8(g, weight) * arriving;
         }
+        const float path = (bright.s0 + bright.s1) + (bright.s2 + bright.s3) + (bright.s4 + bright.s5) +
+                           (bright.s6 + bright.s7);
+        bright_sum += path;
+        bright_squares += path * path;
     }
+    brightness[2 * point] = bright_sum;
+    brightness[2 * point + 1] = bright_squares;
 #pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
         vstore8(sum[g] / (float)n_samples, (size_t)point * HR_GROUPS + g, irradiance);

@@ -5,7 +5,7 @@
 #include "include/hr_outcomes.h"
 
 /* Is the way from x (unit normal n, on patch `own`) to the point y of the emitter free? */
-inline float hr_open(const float3 x, const float3 n, const uint own, const float3 y, const uint emitter_patch,
+HR_FORCE_INLINE float hr_open(const float3 x, const float3 n, const uint own, const float3 y, const uint emitter_patch,
                      const float scale, HR_BVH_PARAMS)
 {
     const float3 origin = hr_offset_origin(x, n, scale);
@@ -54,13 +54,13 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     direct[i] = weight > 0.0f ? (factor / (float)exposed) * (open / weight) : 0.0f;
 }
 
-/* The same at single points. */
+/* The same at single points. After `n_pilot` rays that all agree, the emitter counts as wholly open or hidden. */
 __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const float *position, /* (n_points, 3) [m]                       */
                             __global const float *normal,   /* (n_points, 3) unit                      */
                             __global float *direct,         /* (n_points, n_emitters) [1] or [m^-2]    */
-                            const uint first_point, const uint n_samples, const uint n_emitters,
-                            const uint occlusion, const uint seed, const float scale, const uint n_items)
+                            const uint first_point, const uint n_samples, const uint n_pilot,
+                            const uint n_emitters, const uint occlusion, const uint seed, const float scale, const uint n_items)
 {
     const uint i = get_global_id(0);
     if (i >= n_items)
@@ -78,6 +78,8 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
     const uint rays = emitter_patch[emitter] == HR_NONE ? 1 : n_samples;
     float weight = 0.0f, open = 0.0f;
     for (uint k = 0; k < rays; ++k) {
+        if (k == n_pilot && (open == 0.0f || open == weight))
+            break;
         const float3 y = hr_emitter_point(emitter, hr_sample(k, 0, lamp_seed), hr_sample(k, 1, lamp_seed),
                                           HR_EMITTER, HR_PATCH);
         const float w = hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH);

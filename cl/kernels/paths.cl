@@ -15,7 +15,7 @@ typedef struct {
 /* Near an emitter: the point is resampled from four stratified candidates by their weight, so that it follows the
    light that arrives and not the area (resampled importance sampling, Talbot et al. 2005); the factor is the closed
    form. */
-inline hr_lamp_point hr_near_lamp_point(const float3 x, const float3 n, const uint emitter, const float3 numbers,
+HR_FORCE_INLINE hr_lamp_point hr_near_lamp_point(const float3 x, const float3 n, const uint emitter, const float3 numbers,
                                         HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
 {
     hr_lamp_point lamp;
@@ -40,7 +40,7 @@ inline hr_lamp_point hr_near_lamp_point(const float3 x, const float3 n, const ui
 
 /* Factor of one drawn emitter at a surface point on patch `own`, over the probability that it is drawn, times
    visibility. */
-inline float hr_one_emitter(const float3 x, const float3 n, const uint own, const uint emitter, const float probability,
+HR_FORCE_INLINE float hr_one_emitter(const float3 x, const float3 n, const uint own, const uint emitter, const float probability,
                             const float3 numbers, const uint occlusion, const float scale, HR_EMITTER_PARAMS,
                             HR_PATCH_PARAMS, HR_BVH_PARAMS)
 {
@@ -62,7 +62,7 @@ inline float hr_one_emitter(const float3 x, const float3 n, const uint own, cons
 }
 
 /* First entry of the ascending row of n sums that is greater than x. */
-inline uint hr_draw(__global const float *sums, const uint n, const float x)
+HR_FORCE_INLINE uint hr_draw(__global const float *sums, const uint n, const float x)
 {
     uint low = 0, high = n - 1;
     while (low < high) {
@@ -81,7 +81,7 @@ typedef struct {
     float gain;
 } hr_explicit;
 
-inline hr_explicit hr_light_hit(const float3 y, const float3 n, const uint patch, const uint row,
+HR_FORCE_INLINE hr_explicit hr_light_hit(const float3 y, const float3 n, const uint patch, const uint row,
                                 const float4 numbers, __global const float *emitter_choice, const uint n_emitters,
                                 const uint occlusion, const float scale, HR_EMITTER_PARAMS, HR_PATCH_PARAMS,
                                 HR_BVH_PARAMS)
@@ -98,7 +98,7 @@ inline hr_explicit hr_light_hit(const float3 y, const float3 n, const uint patch
 }
 
 /* What a ray ended on, as a row element or an outcome. */
-inline uint hr_row_of_hit(const hr_hit hit, const float3 direction, __global const uint *patch_solid,
+HR_FORCE_INLINE uint hr_row_of_hit(const hr_hit hit, const float3 direction, __global const uint *patch_solid,
                           __global const uint *cell_divisions, __global const uint *side_first_cell,
                           __global const uint *cell_row, __global const uint *patch_kind)
 {

@@ -17,6 +17,7 @@ from hradiosity.plan import Calibration, Plan
 from hradiosity.planning import make_plan, sized
 from hradiosity.radiosity.checkpoint import pack_record, part_of, unpack_record
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
+from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.moments import ReadingMoments
 from hradiosity.readings.sensors import SurfaceLight, read_points
 from hradiosity.solution import Readings, Solution
@@ -24,6 +25,8 @@ from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.lit_sides import find_lit_sides
 from hradiosity.transport.device_scene import DeviceElements
 
+NEAR_FACTOR = 1.0
+"""With lookup at the second hit: it moves to the third where the second is nearer than this many element sizes."""
 MAX_REPLICATES = 256
 KEPT_BYTES = 256 * 2**20
 """Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
@@ -84,6 +87,7 @@ class RadiositySolver:
         self._earlier_seconds = 0.0
         self._readings = ReadingMoments(scene.sensors, scene.bands)
         self._surfaces: SurfaceSolver | None = None
+        self._effort: Effort | None = None
         self._kept: list[tuple[DeviceElements, SurfaceLight, int]] = []
 
     @property
@@ -155,8 +159,9 @@ class RadiositySolver:
         if len(self._kept) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
         moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands)
+        effort = self._plan_effort(moments, *self._kept[0])
         for elements, light, seed in self._kept:
-            self._read(moments, elements, light, seed)
+            self._read(moments, elements, light, seed, effort)
         return moments.readings()["read"]
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
@@ -165,6 +170,7 @@ class RadiositySolver:
         seconds = self._earlier_seconds + self._elapsed()
         return {
             "record": pack_record(self.record, cpu_seconds=self.cpu_seconds, wall_seconds=seconds),
+            **({"effort/light": self._effort.light, "effort/gather": self._effort.gather} if self._effort else {}),
             **{f"readings/{name}": array for name, array in self._readings.checkpoint().items()},
             **{f"surfaces/{name}": array for name, array in surfaces.checkpoint().items()},
         }
@@ -186,6 +192,8 @@ class RadiositySolver:
 
     def _load(self, kept: Mapping[str, NDArray[Any]]) -> Mapping[str, float]:
         """Put the moments and the record back; returns the other numbers."""
+        effort = part_of(kept, "effort")
+        self._effort = Effort(**effort) if effort else None
         self._readings.restore(part_of(kept, "readings"))
         self._prepare().restore(part_of(kept, "surfaces"))
         record, numbers = unpack_record(kept["record"])
@@ -212,7 +220,9 @@ class RadiositySolver:
         seed = int(np.random.SeedSequence((self.options.seed, self.replicates)).generate_state(1)[0])
         light = surfaces.replicate(seed)
         with self.record.timed("readings"):
-            self._read(self._readings, surfaces.on_device_elements, light, seed)
+            if self._effort is None:
+                self._effort = self._plan_effort(self._readings, surfaces.on_device_elements, light, seed)
+            self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
         plan = self.plan
         per_reading = len(self.scene.emitters) * plan.light_samples + 3 * plan.gather_samples
         self.record.rays += len(self._readings.position) * per_reading
@@ -220,10 +230,12 @@ class RadiositySolver:
         if len(self._kept) < 2 or (len(self._kept) + 1) * size <= KEPT_BYTES:
             self._kept.append((surfaces.on_device_elements, light, seed))
 
-    def _read(self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int) -> None:
-        """One replicate of readings."""
+    def _plan_effort(
+        self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int
+    ) -> Effort:
+        """Samples of each reading in every replicate."""
         plan = self.plan
-        samples = read_points(
+        return plan_effort(
             self._prepare().on_device,
             elements,
             light,
@@ -231,9 +243,25 @@ class RadiositySolver:
             moments.normal,
             light_samples=plan.light_samples,
             gather_samples=plan.gather_samples if plan.interreflection or self.scene.sky is not None else 0,
+            seed=seed ^ 0x3C6EF372,
+        )
+
+    def _read(
+        self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int, effort: Effort
+    ) -> None:
+        """One replicate of readings."""
+        samples = read_points(
+            self._prepare().on_device,
+            elements,
+            light,
+            moments.position,
+            moments.normal,
+            light_samples=effort.light,
+            gather_samples=effort.gather,
+            near_factor=NEAR_FACTOR if self.options.lookup == 2 else np.inf,
             seed=seed ^ 0x5BD1E995,
         )
-        moments.add(plan.columns.to_bands(samples.irradiance), samples.enclosed)
+        moments.add(self.plan.columns.to_bands(samples.irradiance), samples.enclosed)
 
     def _wanted(self) -> int:
         """Replicates to do, as far as is known by now."""

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
+from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.plan import Plan
@@ -29,6 +30,8 @@ from hradiosity.transport.exchange import Defects, Exchange, RowHits, build_exch
 
 RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
+EQUAL_ENERGY_WEIGHT = 1.0
+"""Brightness of a watt of any wavelength beside its lumens, so that no band counts for nothing [lm W⁻¹]."""
 LOST_SHARE = 1e-4
 """Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
 
@@ -86,6 +89,9 @@ class SurfaceSolver:
         self._reflectance = columns.padded(columns.reflectance * plan.interreflection)
         self._reflectance_on_device = device.upload(self._reflectance)
         self._emission_on_device = device.upload(self.emission)
+        luminous = np.einsum("cb,b->c", columns.expansion, luminous_weights(scene.bands))
+        equal = columns.expansion.sum(axis=1)
+        self._weight_on_device = device.upload(columns.padded(luminous + EQUAL_ENERGY_WEIGHT * equal))
         self._sky = columns.padded(columns.sky)
         self._sky_on_device = device.upload(self._sky)
         self._cut(lit)
@@ -130,6 +136,7 @@ class SurfaceSolver:
             reflected=self.device.upload(reflectance * irradiance),
             sky=self._sky_on_device,
             emitter_choice=self.device.upload(emitter_choice(per_emitter, self.emission)),
+            weight=self._weight_on_device,
         )
 
     def surfaces(self) -> Surfaces:

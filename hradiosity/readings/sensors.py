@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -17,8 +18,6 @@ UNIFORM_SHARE = 0.1
 """Part of the probability with which an emitter is drawn at a hit that does not depend on the solution."""
 BATCH_PATHS = 1 << 22
 """Paths kept on the device at a time."""
-NEAR_FACTOR = 1.0
-"""A second hit nearer than this many element sizes is lit explicitly, and the solution looked up one hit later."""
 
 
 @dataclass(frozen=True)
@@ -49,6 +48,7 @@ class SurfaceLight:
     reflected : (n_rows, 8 n_groups) float32 on the device, ρE of each row element
     sky : (8 n_groups,) float32 on the device, π · radiance
     emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
+    weight : (8 n_groups,) float32 on the device, brightness of a unit of each column
     """
 
     columns: SpectralColumns
@@ -58,6 +58,7 @@ class SurfaceLight:
     reflected: DeviceArray
     sky: DeviceArray
     emitter_choice: DeviceArray
+    weight: DeviceArray
 
 
 def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -94,8 +95,13 @@ def trace_paths(
     normal: NDArray[np.float64],
     n_samples: int,
     seed: int,
+    near_factor: float,
 ) -> PathSamples:
-    """Trace `n_samples` paths from each point (world frame [m], unit normals)."""
+    """Trace `n_samples` paths from each point (world frame [m], unit normals).
+
+    A second hit nearer than `near_factor` sizes of its element is lit explicitly, and the solution looked up at the
+    third: where surfaces meet, one value for a whole element is too coarse.
+    """
     device, n_points = scene.device, len(position)
     material, emitter = (device.empty((n_points, n_samples, 2), np.uint32) for _ in range(2))
     gain = device.empty((n_points, n_samples, 2), np.float32)
@@ -118,18 +124,28 @@ def trace_paths(
         n_samples=n_samples,
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
-        near_factor=NEAR_FACTOR,
+        near_factor=near_factor,
         seed=seed,
         scale=scene.scale,
     )
     return PathSamples(material, emitter, gain, row, n_points, n_samples)
 
 
-def reflected_light(scene: DeviceScene, paths: PathSamples, light: SurfaceLight) -> NDArray[np.float32]:
-    """Irradiance that the paths bring, (n_points, 8 n_groups) float32; sky seen directly included."""
+def reflected_light(
+    scene: DeviceScene, paths: PathSamples, light: SurfaceLight
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    """What the paths bring, sky seen directly included.
+
+    Returns
+    -------
+    irradiance : (n_points, 8 n_groups) float32
+    brightness : (n_points, 2) float32
+        Sums of each path's brightness (`SurfaceLight.weight` times its spectrum) and of its square.
+    """
     device = scene.device
     groups = light.columns.n_groups
     irradiance = device.empty((paths.n_points, 8 * groups), np.float32)
+    brightness = device.empty((paths.n_points, 2), np.float32)
     device.kernel("columns", "sum_paths", HR_GROUPS=groups)(
         paths.n_points,
         path_material=paths.material,
@@ -140,11 +156,12 @@ def reflected_light(scene: DeviceScene, paths: PathSamples, light: SurfaceLight)
         emission=light.emission_on_device,
         reflected=light.reflected,
         sky=light.sky,
+        weight=light.weight,
         irradiance=irradiance,
+        brightness=brightness,
         n_samples=paths.n_samples,
     )
-    fetched: NDArray[np.float32] = device.fetch(irradiance)
-    return fetched
+    return device.fetch(irradiance), device.fetch(brightness)
 
 
 @dataclass(frozen=True)
@@ -166,8 +183,9 @@ def read_points(
     position: NDArray[np.float64],
     normal: NDArray[np.float64],
     *,
-    light_samples: int,
-    gather_samples: int,
+    light_samples: NDArray[np.int64],
+    gather_samples: NDArray[np.int64],
+    near_factor: float,
     seed: int,
 ) -> ReadingSamples:
     """Irradiance at points: E = D + ⟨ρ(y₁) (D(y₁) + ρ(y₂) E(y₂))⟩ over cosine-distributed first directions.
@@ -176,25 +194,40 @@ def read_points(
     ----------
     position, normal : (n, 3) float64
         World frame [m], unit normals.
-    light_samples : int
+    light_samples : (n,) int64
         Shadow rays to each emitter.
-    gather_samples : int
+    gather_samples : (n,) int64
         Paths; 0 leaves reflected light out.
+    near_factor : float
+        See `trace_paths`.
     """
     n = len(position)
-    direct = direct_at_points(scene, position, normal, light_samples, seed)
-    irradiance = np.einsum("xe,ec->xc", direct.astype(np.float64), light.emission[:, : light.columns.n_columns])
+    used = light.columns.n_columns
+    emission = light.emission[:, :used]
+    irradiance = np.zeros((n, used))
+    for count in np.unique(light_samples):
+        part = np.flatnonzero(light_samples == count)
+        direct = direct_at_points(scene, position[part], normal[part], int(count), seed + int(count))
+        irradiance[part] = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
     enclosed = np.zeros(n)
-    batch = max(1, BATCH_PATHS // max(gather_samples, 1))
-    for first in range(0, n if gather_samples else 0, batch):
-        part = slice(first, min(first + batch, n))
+    for part, count in _batches(gather_samples):
+        batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
         paths = trace_paths(
-            scene, elements, light.emitter_choice, position[part], normal[part], gather_samples, seed + first + 1
+            scene, elements, light.emitter_choice, position[part], normal[part], count, batch_seed, near_factor
         )
-        irradiance[part] += reflected_light(scene, paths, light)[:, : light.columns.n_columns]
+        irradiance[part] += reflected_light(scene, paths, light)[0][:, :used]
         row = scene.device.fetch(paths.row)
         lost = (row == COVERED) | (row == UNLIT)
         if lost.any():
             first_hit = scene.device.fetch(paths.material)[:, :, 0]
             enclosed[part] = ((first_hit == NONE) & lost).mean(axis=1)
     return ReadingSamples(irradiance, enclosed)
+
+
+def _batches(samples: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.int64], int]]:
+    """Points with one number of paths each, few enough at a time for the device."""
+    for count in np.unique(samples[samples > 0]):
+        points = np.flatnonzero(samples == count)
+        size = max(1, BATCH_PATHS // int(count))
+        for first in range(0, len(points), size):
+            yield points[first : first + size], int(count)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -39,6 +39,10 @@ class DeviceScene:
     def scale(self) -> float:
         """Largest half extent of the scene [m]: ray offsets are relative to it."""
         return self.bvh.scale
+
+    def without_occlusion(self) -> DeviceScene:
+        """The same, taking all sight lines for free."""
+        return replace(self, occlusion=False)
 
 
 @dataclass(frozen=True)

@@ -49,7 +49,12 @@ def direct_on_rows(
 
 
 def direct_at_points(
-    scene: DeviceScene, position: NDArray[np.float64], normal: NDArray[np.float64], n_samples: int, seed: int
+    scene: DeviceScene,
+    position: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    n_samples: int,
+    seed: int,
+    n_pilot: int | None = None,
 ) -> NDArray[np.float32]:
     """Irradiance at single points for unit emission of each emitter.
 
@@ -61,6 +66,9 @@ def direct_at_points(
         Unit normals.
     n_samples : int
         Shadow rays to each area emitter; their weighted open share multiplies the closed-form factor.
+    n_pilot : int, optional
+        Stop after this many rays to an emitter when they all agree: cheaper for pictures, but no longer unbiased
+        where an emitter is nearly open or nearly hidden.
 
     Returns
     -------
@@ -79,6 +87,7 @@ def direct_at_points(
         direct=direct,
         first_point=0,
         n_samples=n_samples,
+        n_pilot=n_samples if n_pilot is None else n_pilot,
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
         seed=seed,

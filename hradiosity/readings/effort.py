@@ -1,0 +1,103 @@
+"""How many rays each reading gets: more where few leave it uncertain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.readings.sensors import SurfaceLight, reflected_light, trace_paths
+from hradiosity.transport.device_scene import DeviceElements, DeviceScene
+from hradiosity.transport.direct import direct_at_points
+
+PILOT_PATHS = 64
+PILOT_NEAR_FACTOR = 1.0
+PILOT_LIGHT_SAMPLES = 16
+DARK_SHARE = 0.05
+"""Readings darker than this share of the mean count as that bright: their relative error matters less."""
+LEAST, MOST = 0.5, 16.0
+"""Bounds of a reading's share, over an even one."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """Samples of each reading in one replicate.
+
+    light : (n,) int64, shadow rays to each emitter
+    gather : (n,) int64, paths
+    """
+
+    light: NDArray[np.int64]
+    gather: NDArray[np.int64]
+
+    @classmethod
+    def even(cls, n: int, light: int, gather: int) -> Effort:
+        """The same for all `n` readings."""
+        return cls(np.full(n, light, np.int64), np.full(n, gather, np.int64))
+
+
+def plan_effort(
+    scene: DeviceScene,
+    elements: DeviceElements,
+    light: SurfaceLight,
+    position: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    *,
+    light_samples: int,
+    gather_samples: int,
+    seed: int,
+) -> Effort:
+    """Spread the samples of all readings by a pilot's spread: n ∝ σ/E makes the rms relative error smallest.
+
+    Parameters
+    ----------
+    position, normal : (n, 3) float64
+        World frame [m], unit normals.
+    light_samples, gather_samples : int
+        Mean number of samples of a reading.
+    """
+    n = len(position)
+    if n == 0 or gather_samples <= PILOT_PATHS // 2:
+        return Effort.even(n, light_samples, gather_samples)
+    weight = scene.device.fetch(light.weight)
+    brightness = np.einsum("ec,c->e", light.emission, weight)
+    direct = direct_at_points(scene, position, normal, PILOT_LIGHT_SAMPLES, seed)
+    arriving = direct.astype(np.float64) * brightness
+    paths = trace_paths(scene, elements, light.emitter_choice, position, normal, PILOT_PATHS, seed, PILOT_NEAR_FACTOR)
+    _, sums = reflected_light(scene, paths, light)
+    mean = sums[:, 0].astype(np.float64) / PILOT_PATHS
+    variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)
+    total = arriving.sum(axis=1) + mean
+    total = np.maximum(total, DARK_SHARE * total.mean())
+    gather = np.divide(np.sqrt(variance), total, out=np.zeros(n), where=total > 0.0)
+    penumbra = np.divide(
+        np.sqrt(_partial(scene, position, normal, direct, seed) * brightness**2).max(axis=1, initial=0.0),
+        total,
+        out=np.zeros(n),
+        where=total > 0.0,
+    )
+    return Effort(light=_spread(penumbra, light_samples), gather=_spread(gather, gather_samples))
+
+
+def _partial(
+    scene: DeviceScene,
+    position: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    direct: NDArray[np.float32],
+    seed: int,
+) -> NDArray[np.float64]:
+    """(n, n_emitters) variance of one shadow ray's factor: G (F − G), F without obstacles."""
+    clear = direct_at_points(scene.without_occlusion(), position, normal, 1, seed).astype(np.float64)
+    return np.maximum(direct * (clear - direct), 0.0)
+
+
+def _spread(spread: NDArray[np.float64], mean_samples: int) -> NDArray[np.int64]:
+    """Samples in proportion to the spread, in steps of a factor 2, about `mean_samples` on average."""
+    average = float(spread.mean())
+    if average <= 0.0:
+        return np.full(len(spread), mean_samples, np.int64)
+    share = np.clip(spread / average, LEAST, MOST)
+    share = 2.0 ** np.rint(np.log2(share / share.mean()))
+    samples: NDArray[np.int64] = np.maximum(np.rint(np.clip(share, LEAST, MOST) * mean_samples), 1).astype(np.int64)
+    return samples
