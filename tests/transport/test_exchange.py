@@ -242,6 +242,16 @@ def test_constant_one_in_a_furnished_closed_room(device, size):
     assert covered == pytest.approx(0.3 * 0.4, rel=0.2)
 
 
+@pytest.mark.xfail(strict=True, reason="rays inside a solid meet the wall that it touches in the place of its own face")
+def test_tall_cupboard_flush_with_two_walls_covers_its_floor(device):
+    room = cube()
+    room.lamp(5, 1.0)
+    room.box((0, 0, 0), (0.5, 0.5, 0.9), room.material(0.3), solid=True)
+    elements, exchange = traced(device, room.scene(), 10.0, 4096)
+    floor = elements.cell_side[elements.row_cell[elements.row_start[:-1]]] == 8
+    assert exchange.element_area[floor] == pytest.approx(0.75, rel=5e-3)
+
+
 def test_same_seed_same_bits_and_other_seed_others(device):
     room = cube()
     room.lamp(5, 1.0)
