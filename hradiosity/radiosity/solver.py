@@ -76,6 +76,9 @@ class RadiositySolver:
         Rates of the device, for the plan's expected seconds.
     """
 
+    surface_solver: type[SurfaceSolver] = SurfaceSolver
+    """What estimates the light on the surfaces."""
+
     def __init__(
         self, scene: Scene, options: Options, device: Device, calibration: Calibration | None = None
     ) -> None:
@@ -209,7 +212,7 @@ class RadiositySolver:
                 bvh = build_bvh(self.device, self.scene.patches)
                 lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
                 plan = make_plan(self.scene, self.options, lit, self._calibration)
-                surfaces = SurfaceSolver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
+                surfaces = self.surface_solver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
                 surfaces.plan = sized(plan, len(surfaces.elements), self._calibration)
                 self._surfaces = surfaces
             self.cpu_seconds += time.process_time() - cpu

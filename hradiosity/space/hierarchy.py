@@ -78,20 +78,33 @@ def build_elements(
         Join uncut faces of one material and one space whose normals lie within about 45° and whose centres lie in one
         cube of edge h (Willmott, Heckbert & Garland 1999 call such a set a face cluster).
     """
-    divisions = _divisions(patches, size)
-    count = np.where(patches.is_triangle, divisions[:, 0] ** 2, divisions[:, 0] * divisions[:, 1]).astype(np.int64)
-    lit = space >= 0
-    counts = np.where(lit, count[:, None], 0)
-    starts = np.concatenate([[0], np.cumsum(counts.ravel())])
-    first_cell = np.where(lit, starts[:-1].reshape(-1, 2), NONE).astype(np.uint32)
-    cell_side = np.repeat(np.arange(2 * len(patches), dtype=np.uint32), counts.ravel())
-    side_material = _side_materials(patches, two_sided)
+    divisions = grid_divisions(patches, size)
+    first_cell, cell_side = cut_sides(patches, space, divisions)
+    side_material = side_materials(patches, two_sided)
+    count = _cells_a_side(patches, divisions)
     cell_row = (
         _group_rows(patches, space, cell_side, count, side_material, size)
         if grouping
         else np.arange(len(cell_side), dtype=np.int64)
     )
     return join_cells(patches, divisions.astype(np.uint32), first_cell, cell_side, side_material, cell_row)
+
+
+def cut_sides(
+    patches: Patches, space: NDArray[np.int32], divisions: NDArray[np.int64]
+) -> tuple[NDArray[np.uint32], NDArray[np.uint32]]:
+    """`Elements.first_cell` and `Elements.cell_side` when the sides with space >= 0 are cut by `divisions`."""
+    lit = space >= 0
+    counts = np.where(lit, _cells_a_side(patches, divisions)[:, None], 0)
+    starts = np.concatenate([[0], np.cumsum(counts.ravel())])
+    first_cell = np.where(lit, starts[:-1].reshape(-1, 2), NONE).astype(np.uint32)
+    return first_cell, np.repeat(np.arange(2 * len(patches), dtype=np.uint32), counts.ravel())
+
+
+def _cells_a_side(patches: Patches, divisions: NDArray[np.integer]) -> NDArray[np.int64]:
+    nu, nv = divisions.T.astype(np.int64)
+    count: NDArray[np.int64] = np.where(patches.is_triangle, nu * nu, nu * nv)
+    return count
 
 
 def join_cells(
@@ -103,8 +116,7 @@ def join_cells(
     cell_row: NDArray[np.int64],
 ) -> Elements:
     """Elements of given cells; arguments as the fields of `Elements`."""
-    nu, nv = divisions.T.astype(np.int64)
-    count = np.where(patches.is_triangle, nu * nu, nu * nv)
+    count = _cells_a_side(patches, divisions)
     order = np.argsort(cell_row, kind="stable")
     n_rows = int(cell_row.max()) + 1 if len(cell_row) else 0
     row_start = np.searchsorted(cell_row[order], np.arange(n_rows + 1)).astype(np.uint32)
@@ -124,7 +136,7 @@ def join_cells(
     )
 
 
-def _divisions(patches: Patches, size: float) -> NDArray[np.int64]:
+def grid_divisions(patches: Patches, size: float) -> NDArray[np.int64]:
     """Cells along both edges: one, or the even number that comes nearest to `size`."""
     length_u = np.linalg.norm(patches.edge_u, axis=1)
     length_v = np.linalg.norm(patches.edge_v, axis=1)
@@ -136,7 +148,8 @@ def _divisions(patches: Patches, size: float) -> NDArray[np.int64]:
     return cells
 
 
-def _side_materials(patches: Patches, two_sided: NDArray[np.bool_]) -> NDArray[np.uint32]:
+def side_materials(patches: Patches, two_sided: NDArray[np.bool_]) -> NDArray[np.uint32]:
+    """(n_patches, 2) material of each side, ``n_materials`` for a black back."""
     back = np.where(two_sided[patches.material], patches.material, len(two_sided))
     material: NDArray[np.uint32] = np.stack([patches.material, back], axis=1).astype(np.uint32)
     return material

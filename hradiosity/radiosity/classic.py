@@ -1,0 +1,109 @@
+"""The classic mode: hemicubes, progressive shooting, subdivision, and hemicubes at the readings."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.device import Device
+from hradiosity.model.scene import Scene, Sensor
+from hradiosity.options import Options
+from hradiosity.plan import Calibration
+from hradiosity.radiosity.classic_surfaces import ClassicLight, ClassicSurfaces
+from hradiosity.radiosity.solver import KEPT_BYTES, RadiositySolver
+from hradiosity.radiosity.surfaces import SurfaceSolver
+from hradiosity.readings.moments import ReadingMoments
+from hradiosity.solution import Readings
+from hradiosity.transport.direct import direct_at_points
+
+READING_BATCH = 1024
+"""Readings whose rows of form factors are held at a time."""
+
+
+class ClassicSolver(RadiositySolver):
+    """A run like that of `RadiositySolver`, by hemicubes (Cohen & Greenberg 1985) and shooting (Cohen et al. 1988).
+
+    Replicates differ in the points that patches shoot from and in the turn of each hemicube. A reading is a hemicube
+    over what the surfaces reflect; light straight from lamps comes from their form factors and shadow rays, since a
+    lamp covers few pixels. The classic way, lamps as items of the hemicube, is there for comparison.
+
+    Parameters
+    ----------
+    scene : Scene
+    options : Options
+    device : Device
+    calibration : Calibration, optional
+    lamps_in_view : bool
+        Take the light of area lamps at readings from the pixels that show them.
+    """
+
+    surface_solver = ClassicSurfaces
+
+    def __init__(
+        self,
+        scene: Scene,
+        options: Options,
+        device: Device,
+        calibration: Calibration | None = None,
+        *,
+        lamps_in_view: bool = False,
+    ) -> None:
+        super().__init__(scene, options, device, calibration)
+        self._lamps_in_view = lamps_in_view
+        self._lights: list[ClassicLight] = []
+
+    def read(self, position: NDArray[np.float64], normal: NDArray[np.float64]) -> Readings:
+        """Light at further points, from the kept light of this process's replicates; see `Solution.read`.
+
+        Raises
+        ------
+        RuntimeError
+            Before two replicates are kept.
+        """
+        if len(self._lights) < 2:
+            raise RuntimeError("further points need the light of two replicates or more, computed by this process")
+        moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands)
+        for light in self._lights:
+            self._gather(moments, light)
+        return moments.readings()["read"]
+
+    def _replicate(self, surfaces: SurfaceSolver) -> None:
+        """One independent estimate of everything, added to the running moments."""
+        if not isinstance(surfaces, ClassicSurfaces):
+            raise TypeError(f"the classic mode needs ClassicSurfaces, not {type(surfaces).__name__}")
+        seed = int(np.random.SeedSequence((self.options.seed, self.replicates)).generate_state(1)[0])
+        light = surfaces.solve(seed)
+        with self.record.timed("readings"):
+            self._gather(self._readings, light)
+        size = light.reflected.nbytes + light.emitted.nbytes
+        if len(self._lights) < 2 or (len(self._lights) + 1) * size <= KEPT_BYTES:
+            self._lights.append(light)
+
+    def _gather(self, moments: ReadingMoments, light: ClassicLight) -> None:
+        """One replicate of readings."""
+        position, normal = moments.position, moments.normal
+        irradiance = self._direct(position, normal, light.seed)
+        lost = np.zeros(len(position))
+        exitance = light.reflected + light.emitted if self._lamps_in_view else light.reflected
+        rng = np.random.Generator(np.random.Philox(key=light.seed ^ 0x5BD1E995))
+        angle = rng.random(len(position)) * 2.0 * np.pi
+        sky = self.plan.columns.sky.astype(np.float64)
+        for first in range(0, len(position), READING_BATCH):
+            part = slice(first, first + READING_BATCH)
+            views = light.hemicube.views(position[part], normal[part], angle[part])
+            irradiance[part] += views.factor @ exitance + views.sky[:, None] * sky
+            lost[part] = views.covered + views.unlit
+        moments.add(self.plan.columns.to_bands(irradiance), lost)
+
+    def _direct(self, position: NDArray[np.float64], normal: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
+        """(n, n_columns) irradiance straight from the lamps; from point sources alone if area lamps are in view."""
+        surfaces = self._prepare()
+        factor = direct_at_points(
+            surfaces.on_device, position, normal, self.plan.light_samples, seed ^ 0x3C6EF372
+        ).astype(np.float64)
+        self.record.rays += factor.size * self.plan.light_samples
+        if self._lamps_in_view:
+            factor[:, self.scene.emitters.patch >= 0] = 0.0
+        emission = surfaces.emission[:, : self.plan.columns.n_columns].astype(np.float64)
+        direct: NDArray[np.float64] = np.einsum("xe,ec->xc", factor, emission)
+        return direct

@@ -1,0 +1,274 @@
+"""Light on the surfaces by the classic method: hemicubes, shooting, subdivision where the light changes.
+
+Lamps are patches that shoot their exitance first; what they send is kept for the finest cells, so that splitting an
+element costs no further hemicube. Then patches shoot what they reflect (Cohen, Chen, Wallace & Greenberg 1988).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.metrics.photometric import luminous_weights
+from hradiosity.model.geometry import NONE
+from hradiosity.radiosity.shooting import ShootingPoints, ShootingRows, shooting_points
+from hradiosity.radiosity.surfaces import SurfaceSolver
+from hradiosity.solve.krylov import Convergence
+from hradiosity.solve.southwell import ShootingSystem, shoot, shooting_weights
+from hradiosity.space.hierarchy import COVERED, Elements
+from hradiosity.space.lit_sides import LitSides
+from hradiosity.space.substructure import SPLITS, Substructure, cut_substructure
+from hradiosity.transport.device_scene import DeviceScene, upload_scene
+from hradiosity.transport.direct import direct_at_points, direct_on_rows
+from hradiosity.transport.exchange import Defects, RowHits
+from hradiosity.transport.form_factor.hemicube import Hemicube
+
+LAMP_POINTS: Final = 512
+"""Lamps are cut into the smaller cells of their patches as long as there are no more than this many."""
+CONTRAST: Final = 0.2
+"""Difference of illuminance between the parts of an element, over the mean of its own and the scene's, above which
+it is split."""
+SHOTS_A_PATCH: Final = 400
+"""Bound on the shots, on average; reflectances up to 0.98 need fewer."""
+SHOT_SHARE: Final = 16
+LEAST_BATCH: Final = 16
+"""One in `SHOT_SHARE` patches shoots at a time, and at least `LEAST_BATCH`, which saves launches."""
+
+
+@dataclass(frozen=True)
+class ClassicLight:
+    """The light of one replicate, as hemicubes at readings gather it.
+
+    hemicube : draws the row elements
+    reflected : (n_rows, n_columns) float64, ρE
+    emitted : (n_rows, n_columns) float64, exitance of lamps
+    seed : of the replicate
+    """
+
+    hemicube: Hemicube
+    reflected: NDArray[np.float64]
+    emitted: NDArray[np.float64]
+    seed: int
+
+
+@dataclass(frozen=True)
+class _Lamps:
+    """Cells of one grid that shine.
+
+    grid : the grid's elements
+    cell : (n,) int64, cells of that grid
+    finest : (n,) int64, a finest cell of each
+    exitance : (n, n_columns) float64
+    """
+
+    grid: Elements
+    cell: NDArray[np.int64]
+    finest: NDArray[np.int64]
+    exitance: NDArray[np.float64]
+
+
+class ClassicSurfaces(SurfaceSolver):
+    """Estimates the light on all row elements with new random points and turns of the hemicubes for each seed."""
+
+    hemicubes = 0
+
+    def solve(self, seed: int) -> ClassicLight:
+        """One independent estimate."""
+        with self.record.timed("exposure"):
+            hits = self._trace(seed)
+            exposed = 1.0 - (hits.row == COVERED).mean(axis=1)
+        rng = np.random.Generator(np.random.Philox(key=seed))
+        area = self.elements.area * exposed
+        with self.record.timed("lamps"):
+            direct = self._lamp_light(self.hemicube, self.elements.cell_row, area, exposed, rng)
+            direct += self._point_light(hits, seed)
+        n_patches = len(self._structure.levels[0])
+        patch_area = np.bincount(self._row_patch, weights=area, minlength=n_patches).astype(np.float64)
+        points = self._points(0, np.arange(n_patches), rng)
+        rows = ShootingRows(self.hemicube, points, patch_area * points.exposed)
+        if self.scene.sky is not None:
+            with self.record.timed("sky"):
+                rows(np.arange(n_patches))
+                direct += rows.sky[self._row_patch][:, None] * self._sky[: self.plan.columns.n_columns]
+        with self.record.timed("shooting"):
+            irradiance = self._shoot(rows, area, direct)
+        self.hemicubes += rows.drawn
+        self._note(irradiance, direct, exposed, rows)
+        n = self.plan.columns.n_columns
+        return ClassicLight(
+            hemicube=self.hemicube,
+            reflected=self._reflectance[self.elements.row_material, :n] * irradiance,
+            emitted=self._emitted(),
+            seed=seed,
+        )
+
+    def _divide(self, lit: LitSides) -> Elements:
+        """Patches, split where the light of the lamps changes quickly; draws a first round of their hemicubes."""
+        patches, size = self.scene.patches, self.plan.element_size
+        two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
+        self._structure: Substructure = cut_substructure(patches, lit.space, two_sided, size)
+        self._lamps = self._cut_lamps()
+        self._points_alone = self._without_area_lamps()
+        elements, self._row_patch = self._structure.rows(patches, self._splits())
+        self.hemicube = Hemicube(self.on_device, patches, elements, self.options.hemicube_resolution)
+        return elements
+
+    def _splits(self) -> list[NDArray[np.bool_]]:
+        """Which cells of each level but the last to split."""
+        structure = self._structure
+        finest = structure.finest
+        hemicube = Hemicube(self.on_device, self.scene.patches, finest, self.options.hemicube_resolution)
+        rng = np.random.Generator(np.random.Philox(key=self.options.seed))
+        everything = np.ones(len(finest))
+        light = self._lamp_light(hemicube, np.arange(len(finest)), finest.area, everything, rng)
+        if self._points_alone is not None:
+            places = self._points(SPLITS, np.arange(len(finest)), rng)
+            light += self._from_points(direct_at_points(self._points_alone, places.position, places.normal, 1, 0))
+        lux = np.einsum("rc,c->r", light, self._luminous_columns())
+        total = float(finest.area.sum())
+        mean = float((lux * finest.area).sum()) / total if total > 0.0 else 0.0
+        return [
+            structure.spread(lux, level) > CONTRAST * 0.5 * (structure.means(lux, level) + mean)
+            for level in range(SPLITS)
+        ]
+
+    def _luminous_columns(self) -> NDArray[np.float64]:
+        """(n_columns,) lumens in a unit of each column."""
+        luminous: NDArray[np.float64] = np.einsum(
+            "cb,b->c", self.plan.columns.expansion, luminous_weights(self.scene.bands)
+        )
+        return luminous
+
+    def _cut_lamps(self) -> _Lamps:
+        """The cells of the finest grid on which the lamps have at most `LAMP_POINTS` cells, or of the coarsest."""
+        table = self._side_exitance()
+        shines = np.asarray(table.any(axis=1), bool)
+        for level in range(SPLITS, -1, -1):
+            grid = self._structure.levels[level]
+            cell = np.flatnonzero(shines[grid.cell_side])
+            if len(cell) <= LAMP_POINTS or level == 0:
+                break
+        finest = np.zeros(len(grid), np.int64)
+        finest[self._structure.ancestor[level]] = np.arange(len(self._structure.finest))
+        return _Lamps(grid, cell, finest[cell], table[grid.cell_side[cell]])
+
+    def _side_exitance(self) -> NDArray[np.float64]:
+        """(2 n_patches, n_columns) exitance of every side."""
+        lamps = self.scene.emitters
+        table = np.zeros((2 * len(self.scene.patches), self.plan.columns.n_columns))
+        flat = np.flatnonzero(lamps.patch != NONE)
+        exitance = self.emission[flat, : self.plan.columns.n_columns].astype(np.float64)
+        np.add.at(table, 2 * lamps.patch[flat], exitance)
+        both = np.array([lamp.two_sided for lamp in self.scene.luminaires], bool)[lamps.luminaire[flat]]
+        np.add.at(table, 2 * lamps.patch[flat[both]] + 1, exitance[both])
+        return table
+
+    def _emitted(self) -> NDArray[np.float64]:
+        """(n_rows, n_columns) exitance of the lamps; all cells of a row lie on one side."""
+        first = self.elements.row_cell[self.elements.row_start[:-1]]
+        return self._side_exitance()[self.elements.cell_side[first]]
+
+    def _without_area_lamps(self) -> DeviceScene | None:
+        """The scene with its point sources alone, which hemicubes do not show; None without any."""
+        lamps = self.scene.emitters
+        alone = lamps.patch == NONE
+        if not alone.any():
+            return None
+        kept = replace(
+            lamps, patch=lamps.patch[alone], position=lamps.position[alone], luminaire=lamps.luminaire[alone]
+        )
+        scene = replace(self.scene, emitters=kept)
+        return upload_scene(self.device, scene, self._bvh, occlusion=self.plan.occlusion)
+
+    def _points(self, level: int, cells: NDArray[np.int64], rng: np.random.Generator) -> ShootingPoints:
+        return shooting_points(self._bvh, self.scene.patches, self._structure.levels[level], cells, rng)
+
+    def _lamp_light(
+        self,
+        hemicube: Hemicube,
+        item_of_finest: NDArray[np.integer],
+        area: NDArray[np.float64],
+        exposed: NDArray[np.float64],
+        rng: np.random.Generator,
+    ) -> NDArray[np.float64]:
+        """(n_items, n_columns) irradiance of items with an exposed `area` by all area lamps."""
+        lamps = self._lamps
+        points = shooting_points(self._bvh, self.scene.patches, lamps.grid, lamps.cell, rng)
+        shining = lamps.grid.area[lamps.cell] * exposed[item_of_finest[lamps.finest]] * points.exposed
+        rows = ShootingRows(hemicube, points, shining)
+        power = np.zeros((len(area), self.plan.columns.n_columns))
+        for first in range(0, len(lamps.cell), hemicube.batch):
+            part = np.arange(first, min(first + hemicube.batch, len(lamps.cell)))
+            power += rows(part).T @ lamps.exitance[part]
+        self.hemicubes += rows.drawn
+        return np.divide(power, area[:, None], out=np.zeros_like(power), where=area[:, None] > 0.0)
+
+    def _point_light(self, hits: RowHits, seed: int) -> NDArray[np.float64]:
+        """(n_rows, n_columns) irradiance by point sources."""
+        if self._points_alone is None:
+            return np.zeros((len(self.elements), self.plan.columns.n_columns))
+        per_source = direct_on_rows(
+            self._points_alone, self.on_device_elements, hits, self.plan.light_points, seed
+        )
+        self.record.rays += per_source.size * self.plan.light_points
+        return self._from_points(per_source)
+
+    def _from_points(self, factor: NDArray[np.float32]) -> NDArray[np.float64]:
+        """(n, n_columns) irradiance from (n, n_point_sources) factors."""
+        emission = self.emission[self.scene.emitters.patch == NONE, : self.plan.columns.n_columns]
+        light: NDArray[np.float64] = np.einsum("re,ec->rc", factor.astype(np.float64), emission.astype(np.float64))
+        return light
+
+    def _shoot(
+        self, rows: ShootingRows, area: NDArray[np.float64], direct: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Irradiance of the row elements when all has been shot."""
+        n_patches = len(self._structure.levels[0])
+        system = ShootingSystem(
+            patch=self._row_patch,
+            area=area,
+            reflectance=self._reflectance[self.elements.row_material, : direct.shape[1]].astype(np.float64),
+            direct=direct,
+            rows=rows,
+        )
+        weight = shooting_weights(self.plan.columns.expansion, luminous_weights(self.scene.bands))
+        batch = max(LEAST_BATCH, n_patches // SHOT_SHARE)
+        history = []
+        for state in shoot(
+            system, weight, tolerance=self.options.tolerance, batch=batch, max_shots=SHOTS_A_PATCH * n_patches
+        ):
+            history.append(state.residual)
+        self.record.convergence.append(
+            Convergence(tuple(history), history[-1] <= self.options.tolerance, products=state.shots, deflated=0)
+        )
+        return state.irradiance
+
+    def _note(
+        self,
+        irradiance: NDArray[np.float64],
+        direct: NDArray[np.float64],
+        exposed: NDArray[np.float64],
+        rows: ShootingRows,
+    ) -> None:
+        """Running means, and what the hemicubes lost."""
+        padded = self.plan.columns.padded
+        self._indirect.add(padded(irradiance - direct))
+        self._direct.add(padded(direct))
+        self._exposed.add(exposed)
+        lost = rows.lost[~np.isnan(rows.lost)]
+        self.record.defects.append(
+            Defects(
+                row_sum_rms=float(np.sqrt(np.mean(lost**2))) if len(lost) else 0.0,
+                row_sum_max=float(lost.max(initial=0.0)),
+                reciprocity_rms=0.0,
+                scale_rms=0.0,
+                scale_max=0.0,
+                self_share=0.0,
+                closure_residual=float(lost.max(initial=0.0)),
+                closure_steps=0,
+                lost_share=float(lost.mean()) if len(lost) else 0.0,
+            )
+        )

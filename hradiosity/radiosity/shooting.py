@@ -1,0 +1,141 @@
+"""Where patches shoot from, and the form-factor rows that they shoot along."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_array
+
+from hradiosity.model.geometry import BACK, Patches
+from hradiosity.space.bvh import Bvh
+from hradiosity.space.cells import cell_corners
+from hradiosity.space.hierarchy import Elements
+from hradiosity.space.visibility import trace_closest
+from hradiosity.transport.form_factor.hemicube import OFFSET, Hemicube
+
+TRIES: Final = 16
+"""Random points of a cell that are tried until one lies outside all solids."""
+KEPT_BYTES: Final = 1 << 30
+"""Rows of form factors that are kept; further ones are drawn again when their patch shoots again."""
+
+
+@dataclass(frozen=True)
+class ShootingPoints:
+    """One random point on each of some cells.
+
+    position, normal : (n, 3) float64, world frame [m], unit normals
+    patch : (n,) int64
+    exposed : (n,) bool, False where all points tried lie inside solids
+    angle : (n,) float64, by which the hemicube there is turned [rad]
+    """
+
+    position: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    patch: NDArray[np.int64]
+    exposed: NDArray[np.bool_]
+    angle: NDArray[np.float64]
+
+
+def shooting_points(
+    bvh: Bvh, patches: Patches, grid: Elements, cells: NDArray[np.int64], rng: np.random.Generator
+) -> ShootingPoints:
+    """A point on each cell, evenly distributed over the part that no solid covers.
+
+    A ray that meets the back of a solid started inside it.
+    """
+    corners, is_triangle = cell_corners(patches, grid)
+    corners, is_triangle = corners[cells], is_triangle[cells]
+    side = grid.cell_side[cells].astype(np.int64)
+    patch = side // 2
+    normal = patches.normal[patch] * np.where(side % 2 == BACK, -1.0, 1.0)[:, None]
+    position = _random_points(corners, is_triangle, rng)
+    solid = patches.solid >= 0
+    covered = np.full(len(cells), bool(solid.any()))
+    for attempt in range(TRIES if solid.any() else 0):
+        left = np.flatnonzero(covered)
+        if not len(left):
+            break
+        if attempt > 0:
+            position[left] = _random_points(corners[left], is_triangle[left], rng)
+        direction = normal[left] + 0.9 * _unit(rng.standard_normal((len(left), 3)))
+        reach = OFFSET * np.maximum(np.abs(position[left] - bvh.local_origin).max(axis=1), bvh.scale)
+        hits = trace_closest(bvh, position[left] + reach[:, None] * normal[left], direction, skip_patch=patch[left])
+        covered[left] = (hits.patch >= 0) & (hits.side == BACK) & solid[np.maximum(hits.patch, 0)]
+    return ShootingPoints(position, normal, patch, ~covered, rng.random(len(cells)) * 2.0 * np.pi)
+
+
+class ShootingRows:
+    """Exchange areas of shooting points with all items, drawn when first asked for.
+
+    Parameters
+    ----------
+    hemicube : Hemicube
+    points : ShootingPoints
+    area : (n,) float64
+        Exposed area that shoots from each point [m²].
+
+    Attributes
+    ----------
+    drawn : number of hemicubes drawn
+    sky : (n,) float64, share of the sky in the view of each point; NaN where it was not drawn
+    lost : (n,) float64, share of the view inside solids or on sides that no light reaches; NaN likewise
+    """
+
+    def __init__(self, hemicube: Hemicube, points: ShootingPoints, area: NDArray[np.float64]) -> None:
+        self.drawn = 0
+        self.sky = np.full(len(area), np.nan)
+        self.lost = np.full(len(area), np.nan)
+        self._hemicube, self._points, self._area = hemicube, points, area
+        self._kept: dict[int, tuple[NDArray[np.int32], NDArray[np.float32]]] = {}
+        self._bytes = 0
+
+    def __call__(self, chosen: NDArray[np.int64]) -> csr_array:
+        """A_i F_ij of the chosen points i, (k, n_items) CSR float64 [m²]; 0 for points without area."""
+        fresh = self._draw(np.array([i for i in chosen if int(i) not in self._kept], np.int64))
+        rows = [self._kept.get(int(i)) or fresh[int(i)] for i in chosen]
+        length = np.array([len(index) for index, _ in rows])
+        value = np.concatenate([np.zeros(0), *(factor for _, factor in rows)])
+        index = np.concatenate([np.zeros(0, np.int32), *(index for index, _ in rows)])
+        start = np.concatenate([[0], np.cumsum(length)])
+        return csr_array(
+            (value * np.repeat(self._area[chosen], length), index, start), shape=(len(chosen), self._hemicube.n_items)
+        )
+
+    def _draw(self, wanted: NDArray[np.int64]) -> dict[int, tuple[NDArray[np.int32], NDArray[np.float32]]]:
+        """Rows of points that are not kept; keeps them while there is room."""
+        points, hidden = self._points, ~self._points.exposed[wanted]
+        views = self._hemicube.views(
+            points.position[wanted], points.normal[wanted], points.angle[wanted], points.patch[wanted]
+        )
+        self.drawn += len(wanted)
+        self.sky[wanted] = np.where(hidden, 0.0, views.sky)
+        self.lost[wanted] = np.where(hidden, 0.0, views.covered + views.unlit)
+        ends = views.factor.indptr
+        rows = {
+            int(i): (views.factor.indices[ends[k] : ends[k + 1]], views.factor.data[ends[k] : ends[k + 1]])
+            for k, i in enumerate(wanted)
+        }
+        if self._bytes + views.factor.data.nbytes * 2 <= KEPT_BYTES:
+            self._kept |= rows
+            self._bytes += views.factor.data.nbytes * 2
+        return rows
+
+
+def _random_points(
+    corners: NDArray[np.float64], is_triangle: NDArray[np.bool_], rng: np.random.Generator
+) -> NDArray[np.float64]:
+    """(n, 3) points spread evenly over parallelograms and triangles given by (n, 4, 3) corners."""
+    share = rng.random((len(corners), 2))
+    outside = is_triangle & (share.sum(axis=1) > 1.0)
+    share[outside] = 1.0 - share[outside]
+    along, across = corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0]
+    points: NDArray[np.float64] = corners[:, 0] + share[:, :1] * along + share[:, 1:] * across
+    return points
+
+
+def _unit(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    unit: NDArray[np.float64] = vectors / np.maximum(np.linalg.norm(vectors, axis=1, keepdims=True), 1e-12)
+    return unit
