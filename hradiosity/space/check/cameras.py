@@ -7,13 +7,15 @@ from collections.abc import Iterator
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import View
 from hradiosity.space.check.finding import Finding, Severity, at
-from hradiosity.space.check.probe import LIT, MATTER, MISSED, Views, directions, look, most_frequent
+from hradiosity.space.check.inside import enclosing_solids
+from hradiosity.space.check.probe import LIT, MISSED, Views, directions, look
 from hradiosity.space.check.subject import Subject
 
 _RAYS = 512
-_INSIDE = 0.5
+_MOST = 0.5
 _WALL = 0.5
 """A dark gap that is somewhere narrower than this is the inside of a wall [m]."""
 _STREAM = 11
@@ -26,17 +28,18 @@ def camera_findings(subject: Subject) -> Iterator[Finding]:
         return
     around = directions(subject.random(_STREAM), len(views), _RAYS // 2)
     around = np.concatenate([around, -around], axis=1)
-    seen = look(subject, np.array([view.position for view in views]), around)
-    ahead = look(subject, np.array([view.position for view in views]), _ahead(subject, views))
+    position = np.array([view.position for view in views])
+    seen = look(subject, position, around)
+    ahead = look(subject, position, _ahead(subject, views))
+    solid = enclosing_solids(subject, position, seen)
     for number, view in enumerate(views):
-        if seen.share(MATTER)[number] >= _INSIDE:
-            met = seen.patch[number][seen.outcome[number] == MATTER]
-            name = subject.scene.objects[most_frequent(subject.scene.patches.object[met])]
+        if solid[number] != NONE:
+            name = subject.name_of_solid(int(solid[number]))
             fix = f"move it out of '{name}', or turn the faces of '{name}' if it is the room"
             yield _finding(view, "camera-in-solid", "fault", f"is inside '{name}'", fix)
         elif ahead.share(LIT)[number] > 0.0:
             continue
-        elif seen.share(MISSED)[number] < _INSIDE and (width := _width(seen, number)) < _WALL:
+        elif seen.share(MISSED)[number] < _MOST and (width := _width(seen, number)) < _WALL:
             near = np.argsort(seen.distance[number])[: _RAYS // 8]
             names = {subject.name(int(p)) for p in seen.patch[number][near] if p >= 0}
             walls = " and ".join(f"'{name}'" for name in sorted(names)[:2])

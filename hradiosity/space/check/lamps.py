@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from hradiosity.model.geometry import BACK, FRONT, NONE
 from hradiosity.space.check.finding import Finding, at
-from hradiosity.space.check.probe import MATTER, cosine_directions, directions, look, most_frequent, points_on, trace
+from hradiosity.space.check.inside import enclosing_solids
+from hradiosity.space.check.probe import Views, cosine_directions, directions, look, most_frequent, points_on, trace
 from hradiosity.space.check.subject import Subject
 
 COVERED_WITHIN = 1e-3
@@ -32,7 +33,7 @@ class _Faces:
     object : (n,) int64
     patch : (n,) int64
     area : (n,) float64, shining area [m²]
-    inside : (n,) share of the light that ends inside a solid
+    inside : (n,) share of the points that lie inside a solid
     covered : (n,) share of the points with a surface right in front
     escapes : (n,) share of the light that leaves the scene
     room_behind : (n,) share of rays to the other side that meet something; 0 for lamps that shine to both sides
@@ -71,10 +72,12 @@ def _point_sources(subject: Subject) -> Iterator[Finding]:
         return
     position = subject.scene.emitters.position[source]
     views = look(subject, position, directions(subject.random(_STREAM), len(source), _RAYS_OF_POINT))
-    for row in np.flatnonzero(views.share(MATTER) >= _MOST):
-        solid = most_frequent(subject.scene.patches.object[views.patch[row][views.outcome[row] == MATTER]])
+    solid = enclosing_solids(subject, position, views)
+    for row in np.flatnonzero(solid != NONE):
         lamp = subject.scene.luminaires[int(subject.scene.emitters.luminaire[source[row]])].name
-        yield _in_solid(f"a point source with luminaire '{lamp}'", lamp, position[row], 0.0, _name(subject, solid))
+        yield _in_solid(
+            f"a point source with luminaire '{lamp}'", lamp, position[row], 0.0, subject.name_of_solid(int(solid[row]))
+        )
 
 
 def _name(subject: Subject, number: int) -> str:
@@ -155,18 +158,19 @@ def _trace_faces(subject: Subject) -> _Faces:
     behind = trace(subject, point - subject.offset * facing, cosine_directions(rng, -facing, 1)[:, 0])
     covering = _covering(subject, point, facing, np.repeat(patch, _POINTS))
     shape = (len(patch), _POINTS)
-    in_solid = (ahead.outcome[:, 0] == MATTER).reshape(shape)
-    met = np.where(covering != NONE, covering, np.where(in_solid.ravel(), ahead.patch[:, 0], NONE)).reshape(shape)
+    solid = _solids_around(subject, point + subject.offset * facing, ahead)
+    owner = np.where(solid != NONE, subject.owner_of_solid[solid], subject.scene.patches.object[covering])
+    owner = np.where((solid != NONE) | (covering != NONE), owner, NONE).reshape(shape)
     has_one_side = ~np.isin(patch, front[both])
     return _Faces(
         object=subject.scene.patches.object[patch].astype(np.int64),
         patch=patch,
         area=subject.area[patch],
-        inside=in_solid.mean(axis=1),
+        inside=(solid != NONE).reshape(shape).mean(axis=1),
         covered=(covering != NONE).reshape(shape).mean(axis=1),
         escapes=np.isinf(ahead.distance).reshape(shape).mean(axis=1),
         room_behind=np.where(has_one_side, (behind.patch != NONE).reshape(shape).mean(axis=1), 0.0),
-        culprit=_culprits(subject, met),
+        culprit=_culprits(owner),
     )
 
 
@@ -187,10 +191,21 @@ def _covering(
     return np.where(covers, met, NONE).astype(np.int32)
 
 
-def _culprits(subject: Subject, met: NDArray[np.integer]) -> NDArray[np.int64]:
-    """(n,) object that most of the patches (n, k) belong to; NONE where there are none."""
-    owner = np.where(met != NONE, subject.scene.patches.object[np.maximum(met, 0)], NONE)
-    culprit = np.full(len(met), NONE, np.int64)
+def _solids_around(subject: Subject, point: NDArray[np.float64], ahead: Views) -> NDArray[np.int64]:
+    """(n,) solid around each point, or NONE; `_POINTS` points at a time share what their rays met."""
+    pooled = Views(
+        outcome=np.repeat(ahead.outcome.reshape(-1, _POINTS), _POINTS, axis=0),
+        patch=np.repeat(ahead.patch.reshape(-1, _POINTS), _POINTS, axis=0),
+        side=np.repeat(ahead.side.reshape(-1, _POINTS), _POINTS, axis=0),
+        distance=np.repeat(ahead.distance.reshape(-1, _POINTS), _POINTS, axis=0),
+        direction=np.repeat(ahead.direction.reshape(-1, _POINTS, 3), _POINTS, axis=0),
+    )
+    return enclosing_solids(subject, point, pooled)
+
+
+def _culprits(owner: NDArray[np.integer]) -> NDArray[np.int64]:
+    """(n,) most frequent of the objects (n, k); NONE where there are none."""
+    culprit = np.full(len(owner), NONE, np.int64)
     for row in np.flatnonzero((owner != NONE).any(axis=1)):
         culprit[row] = most_frequent(owner[row][owner[row] != NONE])
     return culprit

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Sensor
 from hradiosity.space.check.finding import Finding, Severity, at
-from hradiosity.space.check.probe import DARK, LIT, MATTER, MISSED, Views, cosine_directions, look, most_frequent, trace
+from hradiosity.space.check.inside import enclosing_solids
+from hradiosity.space.check.probe import DARK, LIT, MISSED, Views, cosine_directions, look, most_frequent, trace
 from hradiosity.space.check.subject import Subject
 from hradiosity.space.visibility import trace_any
 
@@ -19,8 +20,8 @@ RAYS = 24
 """Rays from each reading."""
 COVERED_WITHIN = 1e-3
 """A surface nearer than this in front of a reading covers it [m]."""
-_INSIDE = 0.5
-"""Share of rays that meet the back of solids from which a reading is inside one."""
+_MOST = 0.5
+"""Share of rays that decides where a reading without light is."""
 _STREAM = 1
 
 
@@ -64,7 +65,8 @@ def sensor_findings(subject: Subject, seen: SensorViews) -> Iterator[Finding]:
     """Readings inside solids, covered by a near surface, on the wrong side, outside, or in a dark space."""
     if len(seen.position) == 0:
         return
-    inside = seen.views.share(MATTER) >= _INSIDE
+    solid = enclosing_solids(subject, seen.position + subject.offset * seen.normal, seen.views)
+    inside = solid != NONE
     covered, cover, distance = _covered(subject, seen)
     covered &= ~inside
     dark = ~inside & ~covered & (seen.views.share(LIT) == 0.0)
@@ -72,7 +74,7 @@ def sensor_findings(subject: Subject, seen: SensorViews) -> Iterator[Finding]:
     behind = _looks_back(subject, seen, np.flatnonzero(dark))
     for number, sensor in enumerate(subject.scene.sensors):
         own = seen.sensor == number
-        yield from _inside(subject, seen, sensor, np.flatnonzero(own & inside))
+        yield from _inside(subject, seen, sensor, np.flatnonzero(own & inside), solid)
         yield from _under(subject, seen, sensor, np.flatnonzero(own & covered), cover, distance)
         yield from _in_the_dark(seen, sensor, np.flatnonzero(own & dark), behind)
 
@@ -114,16 +116,17 @@ def _looks_back(subject: Subject, seen: SensorViews, reading: NDArray[np.int64])
             seen.position[reading] + subject.offset * normal,
             cosine_directions(subject.random(_STREAM + 1), normal, RAYS),
         )
-        turned[reading] = views.share(LIT) > _INSIDE
+        turned[reading] = views.share(LIT) > _MOST
     return turned
 
 
-def _inside(subject: Subject, seen: SensorViews, sensor: Sensor, bad: NDArray[np.int64]) -> Iterator[Finding]:
+def _inside(
+    subject: Subject, seen: SensorViews, sensor: Sensor, bad: NDArray[np.int64], solid: NDArray[np.int64]
+) -> Iterator[Finding]:
     """Readings inside solids: a fault when all are."""
     if len(bad) == 0:
         return
-    met = seen.views.patch[bad][seen.views.outcome[bad] == MATTER]
-    name = subject.scene.objects[most_frequent(subject.scene.patches.object[met])]
+    name = subject.name_of_solid(most_frequent(solid[bad]))
     every = len(bad) == len(sensor.position)
     yield _finding(
         seen,
@@ -173,7 +176,7 @@ def _in_the_dark(
 ) -> Iterator[Finding]:
     """Readings that no light reaches: turned round, outside of everything, or in a dark space."""
     outcome = seen.views
-    outside = outcome.share(MISSED) > _INSIDE
+    outside = outcome.share(MISSED) > _MOST
     turned = bad[behind[bad]]
     beyond = bad[~behind[bad] & outside[bad]]
     closed = bad[~behind[bad] & ~outside[bad] & (outcome.share(DARK)[bad] > 0.0)]

@@ -19,8 +19,8 @@ RATIO = 1e6
 UNRESOLVED = 1e-3
 """Step of single precision coordinates over the width of a face, above which its shape is lost."""
 FAR = 30.0
-"""A part is far off when it is farther from the middle than this many radii of the central nine tenths."""
-_CENTRAL = 0.9
+"""A part is far off when it is farther from the middle than this many radii of the central three quarters."""
+_CENTRAL = 0.75
 _STEP = 2.0**-23
 
 
@@ -86,7 +86,7 @@ def _far_parts(subject: Subject) -> Iterator[Finding]:
     low, high = subject.corners.min(axis=1), subject.corners.max(axis=1)
     near = np.linalg.norm(np.maximum(np.maximum(low - middle, middle - high), 0.0), axis=1)
     central = np.linalg.norm(subject.centroid - middle, axis=1)
-    radius = max(float(np.quantile(central, _CENTRAL)), float(np.median(subject.longest_edge)))
+    radius = max(float(np.quantile(central, _CENTRAL, method="lower")), float(np.median(subject.longest_edge)))
     n_objects = len(subject.scene.objects)
     nearest = np.full(n_objects, np.inf)
     np.minimum.at(nearest, subject.scene.patches.object, near)

@@ -8,8 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.geometry import NONE
+from hradiosity.space.check.escapes import escapes, leaving_points
 from hradiosity.space.check.finding import Finding, at
-from hradiosity.space.check.probe import LIT, MATTER, cosine_directions, outcome_of, points_on, trace
+from hradiosity.space.check.probe import LIT, trace
 from hradiosity.space.check.sensors import SensorViews
 from hradiosity.space.check.subject import Subject
 
@@ -17,9 +18,6 @@ LEAK = 0.02
 """Share of escaping rays below which a space that is not closed looks as if it were meant to be."""
 SLOW = 0.95
 """Mean reflectance above which light dies away slowly."""
-RAYS = 1 << 16
-LEAST_RAYS = 1 << 12
-_STREAM = 31
 _CLOSE_TO_ONE = 1e-12
 _CLUSTER = 0.05
 
@@ -29,7 +27,7 @@ def space_findings(subject: Subject, seen: SensorViews) -> Iterator[Finding]:
     n = len(subject.lit.open)
     if n == 0:
         return
-    escaped, exits = _escapes(subject, max(RAYS // n, LEAST_RAYS))
+    escaped, exits = escapes(subject)
     readings = _readings_in(subject, seen, n)
     lamps = _lamps_in(subject, n)
     sides = subject.lit.space.ravel()
@@ -50,7 +48,7 @@ def space_findings(subject: Subject, seen: SensorViews) -> Iterator[Finding]:
         yield Finding("space", "info", name, middle, size, message, effect, "")
         if kind == "closed":
             if share > 0.0:
-                yield _leak(name, share, exits[int(space)], size)
+                yield _leak(name, share, leaving_points(*exits[int(space)], low, high), size)
             else:
                 yield from _settling(subject, int(space), name, middle, size)
 
@@ -66,54 +64,6 @@ def _extent(subject: Subject, space: int) -> tuple[str, NDArray[np.float64], NDA
     name = subject.scene.objects[int(np.bincount(owner, subject.area[mine]).argmax())]
     corners = subject.corners[mine].reshape(-1, 3)
     return name, corners.min(axis=0), corners.max(axis=0)
-
-
-def _escapes(subject: Subject, n_rays: int) -> tuple[NDArray[np.float64], dict[int, NDArray[np.float64]]]:
-    """(n_spaces,) share of the rays from lit surfaces that leave the scene, and where they leave each space's bounds.
-
-    Rays that start where a surface is covered by a solid don't count.
-    """
-    rng = subject.random(_STREAM)
-    sides = subject.lit.space.ravel()
-    side = np.concatenate(
-        [_by_area(subject, np.flatnonzero(sides == space), n_rays, rng) for space in range(len(subject.lit.open))]
-    )
-    patch = side // 2
-    facing = subject.normal[patch] * np.where(side % 2 == 1, -1.0, 1.0)[:, None]
-    origin = points_on(subject, patch, rng) + subject.offset * facing
-    direction = cosine_directions(rng, facing, 1)[:, 0]
-    hits = trace(subject, origin, direction, patch.astype(np.int32))
-    counts = outcome_of(subject, hits, direction) != MATTER
-    space = sides[side]
-    left = counts & (hits.patch == NONE)
-    n = len(subject.lit.open)
-    total = np.bincount(space[counts], minlength=n)
-    share = np.bincount(space[left], minlength=n) / np.maximum(total, 1)
-    exits = {
-        int(s): _leaving_points(subject, int(s), origin[left & (space == s)], direction[left & (space == s)])
-        for s in np.unique(space[left])
-    }
-    return share, exits
-
-
-def _by_area(subject: Subject, side: NDArray[np.int64], n: int, rng: np.random.Generator) -> NDArray[np.int64]:
-    """(n,) sides drawn in proportion to their area; none if there are no sides."""
-    if len(side) == 0:
-        return np.zeros(0, np.int64)
-    sums = np.cumsum(subject.area[side // 2])
-    drawn = np.searchsorted(sums, (np.arange(n) + rng.random(n)) / n * sums[-1], side="right")
-    return np.asarray(side[np.minimum(drawn, len(side) - 1)])
-
-
-def _leaving_points(
-    subject: Subject, space: int, origin: NDArray[np.float64], direction: NDArray[np.float64]
-) -> NDArray[np.float64]:
-    """(n, 3) where rays leave the bounding box of a space [m]."""
-    _, low, high = _extent(subject, space)
-    wall = np.where(direction > 0.0, high, low) - origin
-    with np.errstate(divide="ignore", invalid="ignore"):
-        reach = np.where(direction != 0.0, wall / direction, np.inf).min(axis=1)
-    return np.asarray(origin + np.maximum(reach, 0.0)[:, None] * direction)
 
 
 def _leak(name: str, share: float, exits: NDArray[np.float64], size: float) -> Finding:

@@ -96,7 +96,7 @@ def _of_lamp(lamp: Luminaire, bands: Bands) -> Iterator[Finding]:
             lamp.name,
             nowhere(),
             0.0,
-            f"{100 * power[lines].sum() / power.sum():.2g} % of the light of luminaire '{lamp.name}' is in lines "
+            f"{100 * power[lines].sum() / power.sum():.3g} % of the light of luminaire '{lamp.name}' is in lines "
             f"narrower than the bands, at {where} nm",
             "their power is kept, but reflectances count with their mean over a band",
             "use narrower bands there if a reflectance changes steeply",

@@ -90,6 +90,19 @@ class Subject:
         """Name of a patch's object."""
         return self.scene.objects[int(self.scene.patches.object[patch])]
 
+    @cached_property
+    def owner_of_solid(self) -> NDArray[np.int64]:
+        """(n_solids + 1,) object that each solid belongs to; NONE at the end, where index NONE leads."""
+        patches = self.scene.patches
+        owner = np.full(int(patches.solid.max(initial=NONE)) + 2, NONE, np.int64)
+        owner[patches.solid] = patches.object
+        owner[NONE] = NONE
+        return owner
+
+    def name_of_solid(self, solid: int) -> str:
+        """Name of the object that a solid belongs to."""
+        return self.scene.objects[int(self.owner_of_solid[solid])]
+
     def random(self, stream: int) -> np.random.Generator:
         """Random numbers of one check."""
         return np.random.Generator(np.random.Philox(key=[self.seed, stream]))
