@@ -114,14 +114,14 @@ class _Session:
         self._display: Display = open_display(
             quiet=request.quiet, json=request.json, doing=lambda: self._solver.record.stage
         )
-        self._published = False
+        self._keep_partial = True
         self._more: dict[str, Any] = {}
         self._closing: list[tuple[str, list[str]]] = []
 
     @property
     def nothing_known(self) -> bool:
         """Whether the partial folder holds nothing worth keeping."""
-        return not self._published and self._solver.replicates == 0
+        return not self._keep_partial or self._solver.replicates == 0
 
     def run(self) -> int:
         """All of it."""
@@ -202,17 +202,30 @@ class _Session:
         start = time.perf_counter()
         self._display.stage("writing the results")
         with held_back():
-            write_results(self.partial, solution, self._solver.checkpoint(), digest)
+            try:
+                write_results(self.partial, solution, self._solver.checkpoint(), digest)
+            except OutputError as error:
+                raise OutputError(f"{error}; {self._rescue(digest)}") from error
             self.seconds["writing"] = time.perf_counter() - start
             state, code = self._outcome(interrupted)
             seconds = {**solution.record["stage_seconds"], **self.seconds}
             write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command(), **self._more})
             publish(self.out)
-            self._published = True
+        self._keep_partial = False
         self._remember(solution)
         self._display.close()
         self._report(solution, seconds, state)
         return code
+
+    def _rescue(self, digest: str) -> str:
+        """Keep a checkpoint where there is no room for the results; says what became of it."""
+        close_partial(self.out)
+        try:
+            save_checkpoint(open_partial(self.out), self._solver.checkpoint(), digest)
+        except OutputError:
+            self._keep_partial = False
+            return f"nor is there room to keep what was computed; {_short(self.out)} is as it was"
+        return f"what was computed is kept in {_short(self.partial)}: make room, then go on with {_command()} --resume"
 
     def _outcome(self, interrupted: bool) -> tuple[str, int]:
         if interrupted:

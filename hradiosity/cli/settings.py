@@ -35,6 +35,8 @@ class Settings:
         Edge of the elements that light is exchanged between, in metres.
     rays_per_element
         Exchange rays from each element, all replicates together.
+    light_points
+        Points on each element from which a shadow ray goes to each lamp, all replicates together.
     gather_samples
         Paths from each reading, all replicates together.
     light_samples
@@ -53,6 +55,7 @@ class Settings:
     seed: Annotated[int, Parameter(group=EFFORT)] = Options.seed
     element_size: Annotated[float | None, Parameter(group=EFFORT)] = None
     rays_per_element: Annotated[int, Parameter(group=EFFORT)] = Options.rays_per_element
+    light_points: Annotated[int, Parameter(group=EFFORT)] = Options.light_points
     gather_samples: Annotated[int, Parameter(group=EFFORT)] = Options.gather_samples
     light_samples: Annotated[int, Parameter(group=EFFORT)] = Options.light_samples
     occlusion: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
@@ -71,6 +74,7 @@ class Settings:
             return Options(
                 element_size=self.element_size,
                 rays_per_element=self.rays_per_element,
+                light_points=self.light_points,
                 light_samples=self.light_samples,
                 gather_samples=self.gather_samples,
                 replicates=self.replicates,

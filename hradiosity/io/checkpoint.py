@@ -26,7 +26,9 @@ _PLAN_FIELDS = (
     *("element_size", "rays_per_element", "light_points", "light_samples", "gather_samples"),
     *("occlusion", "interreflection"),
 )
-"""What a replicate depends on beside the scene; not how many of them are wanted, nor when to stop."""
+"""Entries of the plan that a replicate depends on."""
+_OTHER_OPTIONS = frozenset({*_PLAN_FIELDS, "replicates", "accuracy", "time"})
+"""Options that the plan has taken up, or that only say when to stop."""
 
 
 def run_digest(scene: Scene, plan: Plan, options: Options, device: str) -> str:
@@ -34,7 +36,8 @@ def run_digest(scene: Scene, plan: Plan, options: Options, device: str) -> str:
     digest = hashlib.sha256()
     described = [getattr(scene, f.name) for f in fields(scene) if f.name not in ("name", "path", "views", "notes")]
     settings = [getattr(plan, name) for name in _PLAN_FIELDS]
-    _feed(digest, [described, settings, options.seed, options.tolerance, device, source_digest()])
+    choices = [[f.name, getattr(options, f.name)] for f in fields(options) if f.name not in _OTHER_OPTIONS]
+    _feed(digest, [described, settings, choices, device, source_digest()])
     return digest.hexdigest()[:32]
 
 
