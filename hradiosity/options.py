@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, get_args
+
+Mode = Literal["rays", "classic"]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,12 +24,16 @@ class Options:
     time : wall seconds after which no further replicate starts
     occlusion, interreflection : force an effect on or off
     tolerance : of the linear solver, residual over right-hand side
+    reduced_basis : solve a few columns and combine the others from them where a certificate allows it; False solves
+        all
     seed : of all random numbers
+    mode : ``--mode`` of the command line: "rays", or "classic" for hemicubes, shooting and adaptive subdivision
+    hemicube_resolution : pixels along an edge of a hemicube's top face, even and at least 8; of the classic mode
     """
 
     element_size: float | None = None
-    rays_per_element: int = 128
-    light_points: int = 32
+    rays_per_element: int = 64
+    light_points: int = 16
     light_samples: int = 64
     gather_samples: int = 1024
     lookup: Literal[2, 3] = 2
@@ -36,8 +42,11 @@ class Options:
     time: float | None = None
     occlusion: bool | None = None
     interreflection: bool | None = None
-    tolerance: float = 5e-4
+    tolerance: float = 1e-3
+    reduced_basis: bool = True
     seed: int = 0
+    mode: Mode = "rays"
+    hemicube_resolution: int = 256
 
     def __post_init__(self) -> None:
         if self.element_size is not None and not self.element_size > 0.0:
@@ -55,3 +64,7 @@ class Options:
                 raise ValueError(f"{name} must be > 0, is {value}")
         if not 0.0 < self.tolerance < 1.0:
             raise ValueError(f"tolerance must lie between 0 and 1, is {self.tolerance}")
+        if self.mode not in get_args(Mode):
+            raise ValueError(f"mode must be one of {', '.join(get_args(Mode))}, is {self.mode!r}")
+        if self.hemicube_resolution < 8 or self.hemicube_resolution % 2:
+            raise ValueError(f"hemicube_resolution must be even and at least 8, is {self.hemicube_resolution}")

@@ -1,5 +1,9 @@
 /* Products with spectra: band-free transport times (rows, columns) arrays, eight columns at a time. */
 #include "include/hr_types.h"
+
+/* Eight columns at a time through aligned pointers: PoCL calls vload8 and vstore8 as functions. */
+typedef __global const float8 *hr_groups_in;
+typedef __global float8 *hr_groups_out;
 #include "include/hr_outcomes.h"
 
 /* product[r] = sum over the links of row r of value * columns[source]; one work-item a row and group of 8 columns. */
@@ -20,14 +24,14 @@ __kernel void apply_links(__global const uint *link_start,  /* (n_rows + 1,)    
     const uint end = link_start[row + 1];
     for (uint l = link_start[row]; l < end; ++l) {
         const float value = link_value[l];
-        const size_t source = (size_t)link_source[l] * HR_GROUPS;
+        hr_groups_in source = (hr_groups_in)columns + (size_t)link_source[l] * HR_GROUPS;
 #pragma unroll
         for (uint g = 0; g < HR_GROUPS; ++g)
-            sum[g] += value * vload8(source + g, columns);
+            sum[g] += value * source[g];
     }
 #pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
-        vstore8(sum[g], (size_t)row * HR_GROUPS + g, product);
+        ((hr_groups_out)product)[(size_t)row * HR_GROUPS + g] = sum[g];
 }
 
 /* Reflected part of each reading: mean over its paths of rho1 (D1 + rho E at the second hit), or, where the second
@@ -56,27 +60,28 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
     for (uint k = 0; k < n_samples; ++k) {
         const size_t i = (size_t)point * n_samples + k;
         const uint row = path_row[i];
-        const uint2 material = vload2(i, path_material);
+        const uint2 material = (uint2)(path_material[2 * i], path_material[2 * i + 1]);
         const int lit = material.x != HR_NONE;
         const int lit_again = material.y != HR_NONE;
-        const uint2 emitter = lit ? vload2(i, path_emitter) : (uint2)(0);
-        const float2 gain = lit ? vload2(i, path_gain) : (float2)(0.0f);
-        __global const float *last = HR_IS_ROW(row) ? reflected + (size_t)row * HR_GROUPS * 8 : sky;
+        const size_t first = 2 * i, second = 2 * i + 1;
+        const float gain = lit ? path_gain[first] : 0.0f;
+        const float gain_again = lit_again ? path_gain[second] : 0.0f;
+        hr_groups_in lamp = (hr_groups_in)emission + (lit ? (size_t)path_emitter[first] * HR_GROUPS : 0);
+        hr_groups_in lamp_again = (hr_groups_in)emission + (lit_again ? (size_t)path_emitter[second] * HR_GROUPS : 0);
+        hr_groups_in paint = (hr_groups_in)reflectance + (lit ? (size_t)material.x * HR_GROUPS : 0);
+        hr_groups_in paint_again = (hr_groups_in)reflectance + (lit_again ? (size_t)material.y * HR_GROUPS : 0);
+        hr_groups_in last = (hr_groups_in)(HR_IS_ROW(row) ? reflected + (size_t)row * HR_GROUPS * 8 : sky);
         const float shines = HR_IS_ROW(row) || row == HR_SKY ? 1.0f : 0.0f;
         float8 bright = (float8)(0.0f);
 #pragma unroll
         for (uint g = 0; g < HR_GROUPS; ++g) {
-            float8 arriving = shines * vload8(g, last);
-            if (lit_again) {
-                arriving += gain.y * vload8((size_t)emitter.y * HR_GROUPS + g, emission);
-                arriving *= vload8((size_t)material.y * HR_GROUPS + g, reflectance);
-            }
-            if (lit) {
-                arriving += gain.x * vload8((size_t)emitter.x * HR_GROUPS + g, emission);
-                arriving *= vload8((size_t)material.x * HR_GROUPS + g, reflectance);
-            }
+            float8 arriving = shines * last[g];
+            if (lit_again)
+                arriving = paint_again[g] * (gain_again * lamp_again[g] + arriving);
+            if (lit)
+                arriving = paint[g] * (gain * lamp[g] + arriving);
             sum[g] += arriving;
-            bright += vload8(g, weight) * arriving;
+            bright += ((hr_groups_in)weight)[g] * arriving;
         }
         const float path = (bright.s0 + bright.s1) + (bright.s2 + bright.s3) + (bright.s4 + bright.s5) +
                            (bright.s6 + bright.s7);
@@ -87,5 +92,5 @@ __kernel void sum_paths(__global const uint *path_material,  /* (n_points, n_sam
     brightness[2 * point + 1] = bright_squares;
 #pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
-        vstore8(sum[g] / (float)n_samples, (size_t)point * HR_GROUPS + g, irradiance);
+        ((hr_groups_out)irradiance)[(size_t)point * HR_GROUPS + g] = sum[g] / (float)n_samples;
 }

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.solve.operator import ExchangeOperator
+from hradiosity.solve.spectral_basis import SpectralBasis
 
 LANCZOS_STEPS = 20
 DEFLATE_ABOVE = 0.8
@@ -28,12 +29,17 @@ class Convergence:
     converged : whether the tolerance was met
     products : products with the operator, those for deflation included
     deflated : number of deflation vectors
+    solved_columns : right-hand sides that were iterated on
+    spectral_defect : largest relative change, over the columns, by one more reflection of light that was combined
+        from the solved columns; 0 when all were solved
     """
 
     residual: tuple[float, ...]
     converged: bool
     products: int
     deflated: int
+    solved_columns: int = 0
+    spectral_defect: float = 0.0
 
 
 def solve_irradiance(
@@ -91,8 +97,56 @@ def solve_irradiance(
         converged=min(residual) <= tolerance,
         products=operator.products - before,
         deflated=0 if coarse is None else coarse.size,
+        solved_columns=direct.shape[1],
     )
     return direct + indirect, convergence
+
+
+def solve_by_basis(
+    operator: ExchangeOperator,
+    reflectance: NDArray[np.float32],
+    direct: NDArray[np.float32],
+    basis: SpectralBasis,
+    *,
+    tolerance: float,
+    start: NDArray[np.float32] | None = None,
+    deflation: NDArray[np.float64] | None = None,
+) -> tuple[NDArray[np.float32], Convergence]:
+    """As `solve_irradiance`, iterating on the basis' columns only; the others are combined and reflected once more.
+
+    That reflection with each column's own reflectance takes away most of what the combination misses; how much it
+    changes is the certificate, `Convergence.spectral_defect`.
+    """
+
+    def solved(columns: NDArray[np.float32]) -> NDArray[np.float32]:
+        width = -(-len(basis.solved) // 8) * 8
+        few = np.zeros((len(columns), width), np.float32)
+        few[:, : len(basis.solved)] = columns[:, basis.solved]
+        return few
+
+    few_direct = solved(direct)
+    few, convergence = solve_irradiance(
+        operator,
+        solved(reflectance),
+        few_direct,
+        tolerance=tolerance,
+        start=None if start is None else solved(start),
+        deflation=deflation,
+    )
+    indirect = np.zeros_like(direct)
+    n_columns = basis.combination.shape[1]
+    indirect[:, :n_columns] = np.einsum("rk,kc->rc", (few - few_direct)[:, : len(basis.solved)], basis.combination)
+    leaving = operator.root_area[:, None] * reflectance * (direct + indirect)
+    smoothed = operator.inverse_root_area[:, None] * operator.apply(leaving)
+    weight = operator.root_area[:, None]
+    change = np.sqrt(_dot(weight * (smoothed - indirect), weight * (smoothed - indirect)))
+    defect = float(_ratio(change, np.sqrt(_dot(weight * smoothed, weight * smoothed))).max(initial=0.0))
+    return direct + smoothed, replace(
+        convergence,
+        products=convergence.products + 1,
+        solved_columns=len(basis.solved),
+        spectral_defect=defect,
+    )
 
 
 def deflation_vectors(operator: ExchangeOperator, spaces: NDArray[np.int32]) -> NDArray[np.float64]:
@@ -107,7 +161,7 @@ def deflation_vectors(operator: ExchangeOperator, spaces: NDArray[np.int32]) -> 
     n_spaces = min(int(spaces.max(initial=-1)) + 1, 8)
     rng = np.random.Generator(np.random.Philox(key=1))
     start = [operator.root_area * (spaces == k) for k in range(n_spaces)]
-    start.append(operator.root_area * (1.0 + rng.random(operator.shape[0])))
+    start.append(operator.root_area * (1.0 + rng.random(operator.n_rows)))
     basis: list[NDArray[np.float64]] = []
     images: list[NDArray[np.float64]] = []
     for vector in start:
@@ -120,7 +174,7 @@ def deflation_vectors(operator: ExchangeOperator, spaces: NDArray[np.int32]) -> 
             images.append(operator.apply_vector(candidate))
             candidate = images[-1]
     if not basis:
-        return np.zeros((operator.shape[0], 0))
+        return np.zeros((operator.n_rows, 0))
     q, image = np.column_stack(basis), np.column_stack(images)
     values, vectors = np.linalg.eigh(np.einsum("ni,nj->ij", q, image))
     kept: NDArray[np.float64] = np.einsum("ni,ik->nk", q, vectors[:, values > DEFLATE_ABOVE])

@@ -12,7 +12,8 @@ from hradiosity.transport.exchange import Exchange
 
 
 class ExchangeOperator:
-    """S = A^-1/2 K A^-1/2, symmetric, with values in [−1, 1]; applied to (n_rows, 8 n_groups) float32 arrays.
+    """S = A^-1/2 K A^-1/2, symmetric, with values in [−1, 1]; applied to (n_rows, 8 n) float32 arrays, n groups of
+    eight columns.
 
     Elements whose exposed area is 0 take no part.
 
@@ -20,8 +21,6 @@ class ExchangeOperator:
     ----------
     device : Device
     exchange : Exchange
-    n_groups : int
-        Groups of eight columns.
 
     Attributes
     ----------
@@ -29,7 +28,7 @@ class ExchangeOperator:
         Number of the set of connected elements that each belongs to; elements without any link are in set 0.
     """
 
-    def __init__(self, device: Device, exchange: Exchange, n_groups: int) -> None:
+    def __init__(self, device: Device, exchange: Exchange) -> None:
         area = exchange.element_area
         self.root_area: NDArray[np.float32] = np.sqrt(area).astype(np.float32)
         self.inverse_root_area: NDArray[np.float32] = np.divide(
@@ -48,20 +47,14 @@ class ExchangeOperator:
         self._start = device.upload(exchange.start)
         self._source = device.upload(exchange.source)
         self._value = device.upload(value, np.float32)
-        self._kernel = device.kernel("columns", "apply_links", HR_GROUPS=n_groups)
-        self._shape = (len(area), 8 * n_groups)
+        self.n_rows = len(area)
         self.products = 0
 
-    @property
-    def shape(self) -> tuple[int, int]:
-        """(n_rows, 8 n_groups) of the arrays that it takes."""
-        return self._shape
-
     def apply(self, columns: NDArray[np.float32]) -> NDArray[np.float32]:
-        """S times the columns, (n_rows, 8 n_groups) float32."""
-        product = self._device.empty(self._shape, np.float32)
-        self._kernel(
-            self._shape[0],
+        """S times the columns, (n_rows, 8 n) float32."""
+        product = self._device.empty(columns.shape, np.float32)
+        self._device.kernel("columns", "apply_links", HR_GROUPS=columns.shape[1] // 8)(
+            self.n_rows,
             link_start=self._start,
             link_source=self._source,
             link_value=self._value,

@@ -41,7 +41,7 @@ def closed_space(rng, n, density=0.2):
 def solved(device, matrix, area, reflectance, direct, *, deflate=False, spaces=None, **options):
     columns = direct.shape[1]
     groups = -(-columns // 8)
-    operator = ExchangeOperator(device, exchange_of(matrix, area), groups)
+    operator = ExchangeOperator(device, exchange_of(matrix, area))
 
     def padded(values):
         out = np.zeros((len(area), 8 * groups), np.float32)

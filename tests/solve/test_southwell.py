@@ -90,7 +90,7 @@ def test_shooting_ends_where_conjugate_gradients_end(device):
     n = len(exchange.element_area)
     reflectance = rng.uniform(0.05, 0.8, (n, 8)).astype(np.float32)
     direct = rng.uniform(0.0, 1.0, (n, 8)).astype(np.float32)
-    gathered, _ = solve_irradiance(ExchangeOperator(device, exchange, 1), reflectance, direct, tolerance=1e-6)
+    gathered, _ = solve_irradiance(ExchangeOperator(device, exchange), reflectance, direct, tolerance=1e-6)
     system = system_of(dense(exchange), exchange.element_area, reflectance.astype(float), direct.astype(float))
     *_, last = shoot(system, np.ones(8), tolerance=1e-6, batch=16, max_shots=100 * n)
     assert np.abs(last.irradiance / gathered - 1.0).max() < 2e-5
