@@ -19,8 +19,9 @@ from hradiosity.plan import Plan
 from hradiosity.readings.interval import RunningMoments
 from hradiosity.readings.sensors import SurfaceLight, emitter_choice
 from hradiosity.solution import Surfaces
-from hradiosity.solve.krylov import DEFLATE_ABOVE, Convergence, deflation_vectors, solve_irradiance
+from hradiosity.solve.krylov import DEFLATE_ABOVE, Convergence, deflation_vectors, solve_by_basis, solve_irradiance
 from hradiosity.solve.operator import ExchangeOperator
+from hradiosity.solve.spectral_basis import SpectralBasis, choose_basis
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
@@ -32,6 +33,8 @@ RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
 EQUAL_ENERGY_WEIGHT = 1.0
 """Brightness of a watt of any wavelength beside its lumens, so that no band counts for nothing [lm W⁻¹]."""
+SPECTRAL_DEFECT = 5.0
+"""Columns that combination leaves worse than this many solver tolerances are solved after all."""
 LOST_SHARE = 1e-4
 """Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
 
@@ -98,8 +101,7 @@ class SurfaceSolver:
 
     def _cut(self, lit: LitSides) -> None:
         """Cut the lit sides into row elements; forget what was known about others."""
-        two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
-        self.elements: Elements = build_elements(self.scene.patches, lit.space, two_sided, self.plan.element_size)
+        self.elements: Elements = self._divide(lit)
         self.on_device_elements = upload_elements(self.device, self.elements)
         n_rows = len(self.elements)
         first = self.elements.row_cell[self.elements.row_start[:-1]]
@@ -110,6 +112,12 @@ class SurfaceSolver:
         self._direct = RunningMoments(shape)
         self._exposed = RunningMoments((n_rows,))
         self._deflation: NDArray[np.float64] | None = None
+        self._basis = self._choose_basis()
+
+    def _divide(self, lit: LitSides) -> Elements:
+        """The row elements of the lit sides."""
+        two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
+        return build_elements(self.scene.patches, lit.space, two_sided, self.plan.element_size)
 
     def replicate(self, seed: int) -> SurfaceLight:
         """One independent estimate, as paths look it up."""
@@ -198,22 +206,14 @@ class SurfaceSolver:
     ) -> NDArray[np.float32]:
         """Irradiance of the row elements; keeps the running means."""
         if self.plan.interreflection and len(self.elements):
-            operator = ExchangeOperator(self.device, exchange, self.plan.columns.n_groups)
+            operator = ExchangeOperator(self.device, exchange)
             mean_reflectance = np.einsum("r,rc->c", exchange.element_area, reflectance) / exchange.element_area.sum()
             if self._deflation is None:
                 bright = float(mean_reflectance.max(initial=0.0)) > DEFLATE_ABOVE
                 self._deflation = (
                     deflation_vectors(operator, self.space) if bright else np.zeros((len(self.elements), 0))
                 )
-            irradiance, convergence = solve_irradiance(
-                operator,
-                reflectance,
-                direct,
-                tolerance=self.options.tolerance,
-                start=self._indirect.mean.astype(np.float32) if self._indirect.count else None,
-                deflation=self._deflation,
-            )
-            self.record.convergence.append(convergence)
+            irradiance = self._iterate(operator, reflectance, direct)
         else:
             irradiance = direct
         self._indirect.add(irradiance - direct)
@@ -227,3 +227,33 @@ class SurfaceSolver:
             )
         )
         return irradiance
+
+    def _iterate(
+        self, operator: ExchangeOperator, reflectance: NDArray[np.float32], direct: NDArray[np.float32]
+    ) -> NDArray[np.float32]:
+        """Irradiance by conjugate gradients, on a basis of columns where that is good enough."""
+        start = self._indirect.mean.astype(np.float32) if self._indirect.count else None
+        tolerance = self.options.tolerance
+        if self._basis is not None:
+            irradiance, convergence = solve_by_basis(
+                operator, reflectance, direct, self._basis, tolerance=tolerance, start=start, deflation=self._deflation
+            )
+            self.record.convergence.append(convergence)
+            if convergence.spectral_defect <= SPECTRAL_DEFECT * tolerance:
+                return irradiance
+            start = irradiance - direct
+        irradiance, convergence = solve_irradiance(
+            operator, reflectance, direct, tolerance=tolerance, start=start, deflation=self._deflation
+        )
+        self.record.convergence.append(convergence)
+        return irradiance
+
+    def _choose_basis(self) -> SpectralBasis | None:
+        """Columns to iterate on; None for all."""
+        if self.options.reduced_basis is False:
+            return None
+        columns = self.plan.columns
+        sources = np.concatenate([columns.emission, columns.sky[None]])
+        material = np.minimum(self.elements.row_material, len(columns.reflectance) - 1)
+        area = np.bincount(material, weights=self.elements.area, minlength=len(columns.reflectance)).astype(np.float64)
+        return choose_basis(sources, columns.reflectance, area)
