@@ -33,8 +33,8 @@ def test_json_holds_place_and_severity(tmp_path, capsys):
     assert found[0]["kind"] == "sensor-turned-round"
     assert found[0]["place"] == [0.0, 2.0, 1.0]
     assert found[0]["severity"] == "warning"
-    bands = next(f for f in found if f["kind"] == "bands-miss-light")
-    assert bands["place"] is None
+    lamp = next(f for f in found if f["kind"] == "lamp-cut-off")
+    assert lamp["place"] is None
 
 
 def test_json_of_an_unreadable_scene_lists_its_faults(tmp_path, capsys):
