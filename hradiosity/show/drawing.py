@@ -11,13 +11,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.metrics.colorimetric import encode_srgb, xyz_to_linear_srgb, xyz_weights
-from hradiosity.model import photometry
 from hradiosity.model.scene import View
-from hradiosity.model.spectrum import band_integral
 from hradiosity.show.camera import ABOVE, PicturePoints, ViewHits, picture_points, trace_view
 from hradiosity.show.exposure import Developed, develop, pixel_means, to_bytes
-from hradiosity.show.light import PictureScene, RowLight, picture_scene, row_light, shadow_channels
+from hradiosity.show.light import PictureScene, RowLight, paint_colours, picture_scene, row_light, shadow_channels
 from hradiosity.show.scale_bar import Scale, false_colours, with_scale_bar
+from hradiosity.show.seams import level_seams
 from hradiosity.show.shading import finest_in_view, flat_light, line_mask, locate, smooth_light
 from hradiosity.solution import Solution
 from hradiosity.transport.device_scene import DeviceScene
@@ -143,7 +142,7 @@ def prepare_drawing(
         reference_illuminance(solution),
         refinement,
     )
-    rows = row_light(picture, solution, shadow)
+    rows = level_seams(picture, on_device.bvh, row_light(picture, solution, shadow))
     at_vertex = shadow_channels(picture, shadow)
     sky = np.zeros(3) if scene.sky is None else np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))
     return [
@@ -222,11 +221,7 @@ def _wireframe(drawing: Drawing, _mode: str, white: float, _scale: Scale) -> _Dr
 
 def _unshaded(drawing: Drawing, _mode: str, _white: float, _scale: Scale) -> _Drawn:
     """Colours of the paints under the illuminant D65; a perfect white is the display's white."""
-    scene = drawing.picture.scene
-    light = band_integral(photometry.illuminant("D65"), scene.bands, "hold").value
-    weights = light[:, None] * xyz_weights(scene.bands)
-    paints = np.concatenate([scene.reflectance, np.zeros((1, len(scene.bands)))])
-    colours = np.einsum("mb,bc->mc", paints, weights / weights[:, 1].sum())
+    colours = paint_colours(drawing.picture.scene)
     material = drawing.picture.elements.side_material.ravel()[np.maximum(drawing.points.side, 0)]
     xyz = np.where(drawing.hit[:, None], colours[material], 0.0).astype(np.float32)
     developed = develop(drawing.points, xyz, drawing.view.height, drawing.view.width, 1.0)

@@ -9,9 +9,11 @@ from numpy.typing import NDArray
 
 from hradiosity.metrics.colorimetric import xyz_weights
 from hradiosity.metrics.photometric import luminous_weights
+from hradiosity.model import photometry
 from hradiosity.model.scene import Scene
+from hradiosity.model.spectrum import band_integral
 from hradiosity.solution import Solution
-from hradiosity.space.cell_lookup import CellFrames, cell_frames
+from hradiosity.space.cell_lookup import CELL_CORNERS, CellFrames, cell_frames
 from hradiosity.space.hierarchy import Elements
 from hradiosity.space.leaf_vertices import SideRims, find_rims, vertex_keys
 from hradiosity.transport.refine import ShadowLight
@@ -43,6 +45,7 @@ class PictureScene:
 
     frames : CellFrames
     rims : SideRims
+    label : (n_patches, 2) int64, equal where object, material and space of sides are
     grid : (n_patches, 2) int64, cells along the edges
     emitted : (n_sides, 3) float32, X, Y, Z of the emitted exitance [lm m⁻²]
     """
@@ -51,6 +54,7 @@ class PictureScene:
     elements: Elements
     frames: CellFrames
     rims: SideRims
+    label: NDArray[np.int64]
     grid: NDArray[np.int64]
     emitted: NDArray[np.float32]
 
@@ -69,20 +73,30 @@ def picture_scene(solution: Solution) -> PictureScene:
         elements=elements,
         frames=cell_frames(elements, scene.patches.is_triangle),
         rims=find_rims(scene.patches, label),
+        label=label,
         grid=elements.divisions.astype(np.int64),
-        emitted=_emitted(scene),
+        emitted=emitted_xyz(scene),
     )
 
 
-def _emitted(scene: Scene) -> NDArray[np.float32]:
+def emitted_xyz(scene: Scene) -> NDArray[np.float32]:
+    """(n_sides, 3) X, Y, Z of the emitted exitance M₀ [lm m⁻²] of all sides."""
     weights = xyz_weights(scene.bands)
     out = np.zeros((2 * len(scene.patches), 3), np.float32)
-    for patch, luminaire in zip(scene.emitters.patch, scene.emitters.luminaire):
+    for patch, luminaire in zip(scene.emitters.patch, scene.emitters.luminaire, strict=True):
         if patch >= 0:
             lamp = scene.luminaires[luminaire]
             sides = (2 * patch, 2 * patch + 1) if lamp.two_sided else (2 * patch,)
             out[list(sides)] += np.einsum("b,bc->c", lamp.exitance, weights).astype(np.float32)
     return out
+
+
+def paint_colours(scene: Scene) -> NDArray[np.float64]:
+    """(n_materials + 1, 3) X, Y, Z of the paints, and of black, under CIE D65; Y of a perfect white is 1."""
+    light = band_integral(photometry.illuminant("D65"), scene.bands, "hold").value
+    weights = light[:, None] * xyz_weights(scene.bands)
+    paints = np.concatenate([scene.reflectance, np.zeros((1, len(scene.bands)))])
+    return np.asarray(np.einsum("mb,bc->mc", paints, weights / weights[:, 1].sum()))
 
 
 def reflected_channels(
@@ -133,8 +147,7 @@ def _corner_means(
     """Vertices of cells, and area-weighted means over the exposed cells of one surface that meet at each."""
     frames, elements = picture.frames, picture.elements
     patches = picture.scene.patches
-    offsets = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 0], [1, 0], [0, 1], [0, 1]]])
-    offset = offsets[frames.is_triangle.astype(np.int64)]
+    offset = CELL_CORNERS[frames.is_triangle.astype(np.int64)]
     place = frames.corner[:, None, :] + frames.extent[:, None, None] * offset
     side = np.repeat(frames.side, 4)
     keys = vertex_keys(picture.rims, patches.is_triangle, side, place.reshape(-1, 2), picture.grid[side // 2])

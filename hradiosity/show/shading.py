@@ -61,7 +61,7 @@ def locate(picture: PictureScene, shadow: ShadowLight, points: PicturePoints | V
     for start in range(0, len(points.side), BATCH):
         cell, s, t = _cells(picture, points, slice(start, start + BATCH))
         parts.append((cell, s, t, *shadow.leaves.locate(cell, s, t)))
-    return Located(*(np.concatenate(arrays) for arrays in zip(*parts)))
+    return Located(*(np.concatenate(arrays) for arrays in zip(*parts, strict=True)))
 
 
 def smooth_light(
@@ -72,10 +72,7 @@ def smooth_light(
     for start in range(0, len(out), BATCH):
         part = np.arange(start, min(start + BATCH, len(out)))
         part = part[located.cell[part] >= 0]
-        cell = located.cell[part]
-        corners, weights = _cell_weights(picture.frames.is_triangle[cell], located.s[part], located.t[part])
-        for corner in range(4):
-            out[part] += weights[corner][:, None] * rows.at_vertex[rows.vertex[cell, corners[corner]]]
+        out[part] = indirect_at(picture, rows, located.cell[part], located.s[part], located.t[part])
         out[part] += _direct(picture, rows, shadow, at_vertex, located, part)
     return out
 
@@ -101,17 +98,23 @@ def _direct(
     return light
 
 
-def _cell_weights(
-    triangle: NDArray[np.bool_], s: NDArray[np.float32], t: NDArray[np.float32]
-) -> tuple[tuple[int, ...], tuple[NDArray[np.float32], ...]]:
-    """Corners of a cell and their weights: bilinear, or barycentric in a triangle."""
+def indirect_at(
+    picture: PictureScene, rows: RowLight, cell: NDArray[np.int64], s: NDArray[np.float32], t: NDArray[np.float32]
+) -> NDArray[np.float32]:
+    """(n, 4) channels of the indirect light in cells: bilinear, or barycentric in triangles."""
+    triangle = picture.frames.is_triangle[cell]
     a, b = np.float32(1.0) - s, np.float32(1.0) - t
-    return (0, 1, 2, 3), (
-        np.where(triangle, np.float32(1.0) - s - t, a * b),
+    one = np.float32(1.0)
+    weights = (
+        np.where(triangle, one - s - t, a * b),
         np.where(triangle, s, s * b),
         np.where(triangle, t, s * t),
         np.where(triangle, np.float32(0.0), a * t),
     )
+    out = np.zeros((len(cell), CHANNELS), np.float32)
+    for corner, weight in enumerate(weights):
+        out += weight[:, None] * rows.at_vertex[rows.vertex[cell, corner]]
+    return out
 
 
 def flat_light(

@@ -12,6 +12,8 @@ from hradiosity.space.hierarchy import NONE, Elements
 
 NO_CELL: Final = -1
 """No cell there: no light reaches that side."""
+CELL_CORNERS: Final = np.array([[[0, 0], [1, 0], [1, 1], [0, 1]], [[0, 0], [1, 0], [0, 1], [0, 1]]], np.int64)
+"""(2, 4, 2) s and t of the corners of a parallelogram and of a triangle, which repeats its last one."""
 
 
 @dataclass(frozen=True)

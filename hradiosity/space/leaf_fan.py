@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from hradiosity.space.leaves import CENTRE, NONE
 
 _FIRST_MIDDLE: Final = CENTRE + 1
-_ENDS: Final = np.array([[[0, 1], [1, 2], [2, 3], [3, 0]], [[0, 1], [1, 2], [2, 0], [2, 0]]], np.int64)
-"""(2, 4, 2) places at both ends of each edge, of parallelograms and of triangles."""
+EDGE_ENDS: Final = np.array([[[0, 1], [1, 2], [2, 3], [3, 0]], [[0, 1], [1, 2], [2, 0], [2, 0]]], np.int64)
+"""(2, 4, 2) places at both ends of each edge, of parallelograms and of triangles, which repeat the last edge."""
 
 
 def fan_weights(
@@ -41,7 +41,7 @@ def fan_weights(
     weights : (n, 3) float32, sum 1
     """
     edge, along, outward = _polar(s, t, triangle)
-    ends = _ENDS[triangle.astype(np.int64), edge]
+    ends = EDGE_ENDS[triangle.astype(np.int64), edge]
     first, last = vertex[node, ends[:, 0]], vertex[node, ends[:, 1]]
     middle = vertex[node, _FIRST_MIDDLE + edge]
     cut = middle != NONE

@@ -11,6 +11,7 @@ from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.geometry import BACK
 from hradiosity.model.scene import Scene
 from hradiosity.space.cell_lookup import CellFrames
+from hradiosity.space.leaf_fan import EDGE_ENDS
 from hradiosity.space.leaf_vertices import SideRims, places_in_space, vertex_keys
 from hradiosity.space.leaves import CENTRE, N_PLACES, NONE, Leaves, plant_leaves, split_leaves
 from hradiosity.space.visibility import trace_closest
@@ -185,9 +186,10 @@ class _Vertices:
     def quarter_keys(self, leaves: Leaves, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
         """(n, 8) keys of the points at one and three quarters of each edge; a triangle repeats one edge."""
         places = leaves.places(nodes)
-        first = places[:, _EDGE_START]
-        last = np.where(leaves.is_triangle[nodes][:, None, None], places[:, _TRIANGLE_EDGE_END], places[:, _EDGE_END])
-        middle = places[:, 5:]
+        ends = EDGE_ENDS[leaves.is_triangle[nodes].astype(np.int64)]
+        first = np.take_along_axis(places, ends[:, :, :1], axis=1)
+        last = np.take_along_axis(places, ends[:, :, 1:], axis=1)
+        middle = places[:, CENTRE + 1 :]
         quarters = np.concatenate([(first + middle) // 2, (last + middle) // 2], axis=1)
         return self._keys(leaves, nodes, quarters)
 
@@ -283,7 +285,3 @@ class _Vertices:
         vertex[nodes] = np.where(known, index, NONE)
         return ShadowLight(leaves, vertex, self._side, self._light, self._covered)
 
-
-_EDGE_START = np.array([0, 1, 2, 3])
-_EDGE_END = np.array([1, 2, 3, 0])
-_TRIANGLE_EDGE_END = np.array([1, 2, 0, 0])
