@@ -3,16 +3,33 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, get_args
+from types import MappingProxyType
+from typing import Any, Final, Literal, get_args
 
 Mode = Literal["rays", "classic"]
+Quality = Literal["draft", "normal", "fine"]
+QUALITIES: Final = MappingProxyType(
+    {
+        "draft": {"elements": 2000, "gather_samples": 512, "light_samples": 32, "lookup": 2},
+        "normal": {},
+        "fine": {
+            "elements": 12000,
+            "rays_per_element": 128,
+            "light_points": 32,
+            "gather_samples": 16384,
+            "light_samples": 512,
+        },
+    }
+)
+"""What each quality sets apart from the defaults; README tells what each costs."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
     """Settings of a run; None lets the plan decide.
 
-    element_size : edge of a row element [m]
+    elements : row elements that the lit area is cut into, about; small patches and the mean free path bound it
+    element_size : edge of a row element [m], instead
     rays_per_element : exchange rays from each row element, all replicates together, at least 16 in each
     light_points : points on each row element from which a ray goes to each emitter, all replicates together
     light_samples : shadow rays from a reading to each emitter, all replicates together
@@ -23,6 +40,7 @@ class Options:
     accuracy : wanted half width of the 95 % interval over the value; more replicates are added until it is reached
     time : wall seconds after which no further replicate starts
     occlusion, interreflection : force an effect on or off
+    pictures : pictures or maps will be drawn, which calls for shadow refinement
     tolerance : of the linear solver, residual over right-hand side
     reduced_basis : solve a few columns and combine the others from them where a certificate allows it; False solves
         all
@@ -31,27 +49,36 @@ class Options:
     hemicube_resolution : pixels along an edge of a hemicube's top face, even and at least 8; of the classic mode
     """
 
+    elements: int = 4000
     element_size: float | None = None
     rays_per_element: int = 64
     light_points: int = 16
-    light_samples: int = 64
-    gather_samples: int = 1024
-    lookup: Literal[2, 3] = 2
+    light_samples: int = 128
+    gather_samples: int = 2048
+    lookup: Literal[2, 3] = 3
     replicates: int = 4
     accuracy: float | None = None
     time: float | None = None
     occlusion: bool | None = None
     interreflection: bool | None = None
+    pictures: bool = False
     tolerance: float = 1e-3
     reduced_basis: bool = True
     seed: int = 0
     mode: Mode = "rays"
     hemicube_resolution: int = 256
 
+    @classmethod
+    def of_quality(cls, quality: Quality, **changes: Any) -> Options:
+        """The settings of a quality, with some of them changed."""
+        preset: dict[str, Any] = dict(QUALITIES[quality])
+        return cls(**(preset | changes))
+
     def __post_init__(self) -> None:
         if self.element_size is not None and not self.element_size > 0.0:
             raise ValueError(f"element_size must be > 0 m, is {self.element_size}")
-        for name, lowest in (("rays_per_element", 16), ("light_points", 1), ("light_samples", 1), ("replicates", 2)):
+        least = {"elements": 1, "rays_per_element": 16, "light_points": 1, "light_samples": 1, "replicates": 2}
+        for name, lowest in least.items():
             if getattr(self, name) < lowest:
                 raise ValueError(f"{name} must be at least {lowest}, is {getattr(self, name)}")
         if self.gather_samples < self.replicates:

@@ -14,8 +14,6 @@ from hradiosity.plan import Calibration, Effect, Plan, SpectralColumns
 from hradiosity.space.convexity import is_convex
 from hradiosity.space.lit_sides import LitSides
 
-WANTED_ELEMENTS = 4000
-"""Number of row elements that the lit area is cut into where the bounds below allow it."""
 LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
 """Bounds of a row element's edge, as shares of the mean free path of light."""
 
@@ -92,13 +90,20 @@ def make_plan(
     interreflection = _interreflection(scene, options)
     area = float(scene.patches.area @ lit.lit.sum(axis=1)) if len(scene.patches) else 0.0
     size = options.element_size or float(
-        np.clip(np.sqrt(area / WANTED_ELEMENTS), LEAST_SHARE * lit.free_path, LARGEST_SHARE * lit.free_path)
+        np.clip(np.sqrt(area / options.elements), LEAST_SHARE * lit.free_path, LARGEST_SHARE * lit.free_path)
     )
     n_elements = int(area / size**2) + int(lit.lit.sum())
     n_readings = sum(len(s.position) for s in scene.sensors)
     replicates = options.replicates
     plan = Plan(
-        effects=(occlusion, interreflection, _openness(lit), _backs(scene, lit), _bands(scene, columns)),
+        effects=(
+            occlusion,
+            interreflection,
+            _openness(lit),
+            _backs(scene, lit),
+            _bands(scene, columns),
+            _shadow_refinement(scene, options),
+        ),
         columns=columns,
         n_bands=len(scene.bands),
         n_patches=len(scene.patches),
@@ -188,6 +193,14 @@ def _bands(scene: Scene, columns: SpectralColumns) -> Effect:
         reason = f"{n} bands follow exactly from {columns.n_columns} right-hand sides in {columns.n_classes} classes"
         return Effect("bands singly", False, reason)
     return Effect("bands singly", True, f"all {n} bands differ in reflectance or light")
+
+
+def _shadow_refinement(scene: Scene, options: Options) -> Effect:
+    if not options.pictures:
+        return Effect("shadow refinement", False, "no pictures or maps are asked for, and readings do not use it")
+    if not len(scene.emitters):
+        return Effect("shadow refinement", False, "no lamp casts shadows")
+    return Effect("shadow refinement", True, "pictures or maps are asked for")
 
 
 def _memory(plan: Plan) -> int:

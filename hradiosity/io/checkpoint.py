@@ -27,8 +27,8 @@ _PLAN_FIELDS = (
     *("occlusion", "interreflection"),
 )
 """Entries of the plan that a replicate depends on."""
-_OTHER_OPTIONS = frozenset({*_PLAN_FIELDS, "replicates", "accuracy", "time"})
-"""Options that the plan has taken up, or that only say when to stop."""
+_OTHER_OPTIONS = frozenset({*_PLAN_FIELDS, "replicates", "accuracy", "time", "pictures"})
+"""Options that the plan has taken up, that only say when to stop, or that no replicate depends on."""
 
 
 def run_digest(scene: Scene, plan: Plan, options: Options, device: str) -> str:
