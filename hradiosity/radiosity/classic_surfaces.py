@@ -88,13 +88,14 @@ class ClassicSurfaces(SurfaceSolver):
         n_patches = len(self._structure.levels[0])
         patch_area = np.bincount(self._row_patch, weights=area, minlength=n_patches).astype(np.float64)
         points = self._points(0, np.arange(n_patches), rng)
-        rows = ShootingRows(self.hemicube, points, patch_area * points.exposed)
+        rows = ShootingRows(self.hemicube, points, patch_area * points.exposed, self._row_patch)
         if self.scene.sky is not None:
             with self.record.timed("sky"):
                 rows(np.arange(n_patches))
                 direct += rows.sky[self._row_patch][:, None] * self._sky[: self.plan.columns.n_columns]
         with self.record.timed("shooting"):
-            irradiance = self._shoot(rows, area, direct)
+            shot = self._shoot(rows, area, direct)
+            irradiance = direct + _over_area(rows.arriving(shot), area)
         self.hemicubes += rows.drawn
         self._note(irradiance, direct, exposed, rows)
         n = self.plan.columns.n_columns
@@ -198,13 +199,10 @@ class ClassicSurfaces(SurfaceSolver):
         lamps = self._lamps
         points = shooting_points(self._bvh, self.scene.patches, lamps.grid, lamps.cell, rng)
         shining = lamps.grid.area[lamps.cell] * exposed[item_of_finest[lamps.finest]] * points.exposed
-        rows = ShootingRows(hemicube, points, shining)
-        power = np.zeros((len(area), self.plan.columns.n_columns))
-        for first in range(0, len(lamps.cell), hemicube.batch):
-            part = np.arange(first, min(first + hemicube.batch, len(lamps.cell)))
-            power += rows(part).T @ lamps.exitance[part]
+        rows = ShootingRows(hemicube, points, shining, np.arange(len(area)))
+        power = rows.arriving(lamps.exitance)
         self.hemicubes += rows.drawn
-        return np.divide(power, area[:, None], out=np.zeros_like(power), where=area[:, None] > 0.0)
+        return _over_area(power, area)
 
     def _point_light(self, hits: RowHits, seed: int) -> NDArray[np.float64]:
         """(n_rows, n_columns) irradiance by point sources."""
@@ -225,13 +223,16 @@ class ClassicSurfaces(SurfaceSolver):
     def _shoot(
         self, rows: ShootingRows, area: NDArray[np.float64], direct: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Irradiance of the row elements when all has been shot."""
-        n_patches = len(self._structure.levels[0])
+        """(n_patches, n_columns) exitance that every patch has shot when little is left."""
+        patches = self._structure.levels[0]
+        n_patches = len(patches)
+        patch_area = np.bincount(self._row_patch, weights=area, minlength=n_patches).astype(np.float64)
+        pooled = np.zeros((n_patches, direct.shape[1]))
+        np.add.at(pooled, self._row_patch, area[:, None] * direct)
         system = ShootingSystem(
-            patch=self._row_patch,
-            area=area,
-            reflectance=self._reflectance[self.elements.row_material, : direct.shape[1]].astype(np.float64),
-            direct=direct,
+            area=patch_area,
+            reflectance=self._reflectance[patches.row_material, : direct.shape[1]].astype(np.float64),
+            direct=_over_area(pooled, patch_area),
             rows=rows,
         )
         weight = shooting_weights(self.plan.columns.expansion, luminous_weights(self.scene.bands))
@@ -244,7 +245,7 @@ class ClassicSurfaces(SurfaceSolver):
         self.record.convergence.append(
             Convergence(tuple(history), history[-1] <= self.options.tolerance, products=state.shots, deflated=0)
         )
-        return state.irradiance
+        return state.shot
 
     def _note(
         self,
@@ -272,3 +273,11 @@ class ClassicSurfaces(SurfaceSolver):
                 lost_share=float(lost.mean()) if len(lost) else 0.0,
             )
         )
+
+
+def _over_area(power: NDArray[np.float64], area: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Power by area, 0 where there is no area."""
+    irradiance: NDArray[np.float64] = np.divide(
+        power, area[:, None], out=np.zeros_like(power), where=area[:, None] > 0.0
+    )
+    return irradiance

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,12 +14,15 @@ from hradiosity.space.bvh import Bvh
 from hradiosity.space.cells import cell_corners
 from hradiosity.space.hierarchy import Elements
 from hradiosity.space.visibility import trace_closest
-from hradiosity.transport.form_factor.hemicube import OFFSET, Hemicube
+from hradiosity.transport.form_factor.hemicube import OFFSET, Hemicube, Views
 
 TRIES: Final = 16
 """Random points of a cell that are tried until one lies outside all solids."""
 KEPT_BYTES: Final = 1 << 30
-"""Rows of form factors that are kept; further ones are drawn again when their patch shoots again."""
+"""Views that are kept item by item; the others are drawn once more at the end."""
+
+_Row: TypeAlias = tuple[NDArray[np.int32], NDArray[np.float32]]
+"""Groups, and factors to them."""
 
 
 @dataclass(frozen=True)
@@ -68,7 +71,7 @@ def shooting_points(
 
 
 class ShootingRows:
-    """Exchange areas of shooting points with all items, drawn when first asked for.
+    """Exchange areas of shooting points with groups of items, drawn when first asked for.
 
     Parameters
     ----------
@@ -76,6 +79,8 @@ class ShootingRows:
     points : ShootingPoints
     area : (n,) float64
         Exposed area that shoots from each point [m²].
+    group : (n_items,) int64
+        Group of each item; with substructuring, the patch that an element is a part of.
 
     Attributes
     ----------
@@ -84,44 +89,70 @@ class ShootingRows:
     lost : (n,) float64, share of the view inside solids or on sides that no light reaches; NaN likewise
     """
 
-    def __init__(self, hemicube: Hemicube, points: ShootingPoints, area: NDArray[np.float64]) -> None:
+    def __init__(
+        self, hemicube: Hemicube, points: ShootingPoints, area: NDArray[np.float64], group: NDArray[np.integer]
+    ) -> None:
         self.drawn = 0
         self.sky = np.full(len(area), np.nan)
         self.lost = np.full(len(area), np.nan)
         self._hemicube, self._points, self._area = hemicube, points, area
-        self._kept: dict[int, tuple[NDArray[np.int32], NDArray[np.float32]]] = {}
+        n = len(group)
+        self._group = csr_array((np.ones(n, np.float32), (np.arange(n), group)))
+        self._rows: dict[int, _Row] = {}
+        self._views: list[tuple[NDArray[np.int64], csr_array]] = []
         self._bytes = 0
 
     def __call__(self, chosen: NDArray[np.int64]) -> csr_array:
-        """A_i F_ij of the chosen points i, (k, n_items) CSR float64 [m²]; 0 for points without area."""
-        fresh = self._draw(np.array([i for i in chosen if int(i) not in self._kept], np.int64))
-        rows = [self._kept.get(int(i)) or fresh[int(i)] for i in chosen]
-        length = np.array([len(index) for index, _ in rows])
+        """A_i F_ij of the chosen points i with all groups j, (k, n_groups) CSR [m²]."""
+        self._draw(np.array([i for i in chosen if int(i) not in self._rows], np.int64))
+        rows = [self._rows[int(i)] for i in chosen]
+        length = np.array([len(index) for index, _ in rows], np.int64)
         value = np.concatenate([np.zeros(0), *(factor for _, factor in rows)])
         index = np.concatenate([np.zeros(0, np.int32), *(index for index, _ in rows)])
         start = np.concatenate([[0], np.cumsum(length)])
-        return csr_array(
-            (value * np.repeat(self._area[chosen], length), index, start), shape=(len(chosen), self._hemicube.n_items)
-        )
+        shape = (len(chosen), self._group.shape[1])
+        return csr_array((value * np.repeat(self._area[chosen], length), index, start), shape=shape)
 
-    def _draw(self, wanted: NDArray[np.int64]) -> dict[int, tuple[NDArray[np.int32], NDArray[np.float32]]]:
-        """Rows of points that are not kept; keeps them while there is room."""
-        points, hidden = self._points, ~self._points.exposed[wanted]
-        views = self._hemicube.views(
-            points.position[wanted], points.normal[wanted], points.angle[wanted], points.patch[wanted]
-        )
-        self.drawn += len(wanted)
+    def arriving(self, exitance: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n_items, n_columns) power that reaches each item when every point has sent out an exitance (n, n_columns).
+
+        Views that were not kept are drawn again; points that send nothing are not drawn at all.
+        """
+        power = self._area[:, None] * exitance
+        kept = np.zeros(len(power), bool)
+        total = np.zeros((self._hemicube.n_items, power.shape[1]))
+        for points, factor in self._views:
+            total += factor.T @ power[points]
+            kept[points] = True
+        left = np.flatnonzero(~kept & power.any(axis=1))
+        for first in range(0, len(left), self._hemicube.batch):
+            part = left[first : first + self._hemicube.batch]
+            total += self._look(part).factor.T @ power[part]
+        return total
+
+    def _draw(self, wanted: NDArray[np.int64]) -> None:
+        """Rows of points that were not drawn yet; keeps the items of their views while there is room."""
+        if not len(wanted):
+            return
+        views, hidden = self._look(wanted), ~self._points.exposed[wanted]
         self.sky[wanted] = np.where(hidden, 0.0, views.sky)
         self.lost[wanted] = np.where(hidden, 0.0, views.covered + views.unlit)
-        ends = views.factor.indptr
-        rows = {
-            int(i): (views.factor.indices[ends[k] : ends[k + 1]], views.factor.data[ends[k] : ends[k + 1]])
-            for k, i in enumerate(wanted)
-        }
-        if self._bytes + views.factor.data.nbytes * 2 <= KEPT_BYTES:
-            self._kept |= rows
-            self._bytes += views.factor.data.nbytes * 2
-        return rows
+        grouped = csr_array(views.factor @ self._group)
+        ends = grouped.indptr
+        for k, i in enumerate(wanted):
+            part = slice(int(ends[k]), int(ends[k + 1]))
+            self._rows[int(i)] = (grouped.indices[part], grouped.data[part])
+        size = views.factor.data.nbytes + views.factor.indices.nbytes
+        if self._bytes + size <= KEPT_BYTES:
+            self._views.append((wanted, views.factor))
+            self._bytes += size
+
+    def _look(self, wanted: NDArray[np.int64]) -> Views:
+        points = self._points
+        self.drawn += len(wanted)
+        return self._hemicube.views(
+            points.position[wanted], points.normal[wanted], points.angle[wanted], points.patch[wanted]
+        )
 
 
 def _random_points(

@@ -17,51 +17,31 @@ EQUAL_ENERGY_FLOOR = 1e-3
 """Weight that every band has at least, as a share of the mean luminous weight, so that no band starves."""
 
 RowProvider: TypeAlias = Callable[[NDArray[np.int64]], csr_array]
-"""Exchange areas A_i F_ij [m²] of some patches i with all elements j: (k,) patch numbers → (k, n_elements) CSR."""
+"""Exchange areas A_i F_ij [m²] of some patches i with all patches j: (k,) numbers → (k, n_patches) CSR."""
 
 
 @dataclass(frozen=True)
 class ShootingSystem:
-    """Elements that receive, grouped into patches that shoot.
+    """Patches that shoot and receive.
 
-    patch : (n_elements,) int64, the patch that each element is a part of; without subdivision its own number
-    area : (n_elements,) float64 [m²]; elements without area take no part
-    reflectance : (n_elements, n_columns) float64, equal within a patch
-    direct : (n_elements, n_columns) float64, irradiance from elsewhere
+    area : (n_patches,) float64 [m²]; patches without area take no part
+    reflectance : (n_patches, n_columns) float64
+    direct : (n_patches, n_columns) float64, irradiance from elsewhere
     rows : RowProvider
-        What patches shoot to elements.
     """
 
-    patch: NDArray[np.int64]
     area: NDArray[np.float64]
     reflectance: NDArray[np.float64]
     direct: NDArray[np.float64]
     rows: RowProvider
 
-    def patch_means(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Means over the elements of each patch by area, (n_elements, …) → (n_patches, …)."""
-        total = self._gather() @ (self.area[:, None] * values)
-        area = self.patch_area[:, None]
-        means: NDArray[np.float64] = np.divide(total, area, out=np.zeros_like(total), where=area > 0.0)
-        return means
-
-    @property
-    def patch_area(self) -> NDArray[np.float64]:
-        """(n_patches,) [m²]."""
-        return np.bincount(self.patch, weights=self.area).astype(np.float64)
-
-    def _gather(self) -> csr_array:
-        """(n_patches, n_elements), 1 where the element is a part of the patch."""
-        n = len(self.patch)
-        return csr_array((np.ones(n), (self.patch, np.arange(n))), shape=(int(self.patch.max(initial=-1)) + 1, n))
-
 
 @dataclass(frozen=True)
 class ShootingState:
-    """After a number of shots: unshot = mean(ρ E) − shot for every patch, where E = D + Σ K shot / A.
+    """After a number of shots: unshot = ρ E − shot for every patch, where E = D + Σ K shot / A.
 
     shots : so far
-    irradiance : (n_elements, n_columns) float64, E
+    irradiance : (n_patches, n_columns) float64, E
     shot, unshot : (n_patches, n_columns) float64, exitance that was sent out, and that still has to be
     residual : largest power of a column still unshot, over what there was of it at the start
     """
@@ -93,10 +73,10 @@ def shoot(
     ShootingState
         Before the first shot, and after each batch; its arrays do not change when the run goes on.
     """
-    area = system.patch_area[:, None]
-    inverse_area = np.divide(1.0, system.area, out=np.zeros_like(system.area), where=system.area > 0.0)[:, None]
+    area = np.where(system.area > 0.0, system.area, 0.0)[:, None]
+    inverse_area = np.divide(1.0, area, out=np.zeros_like(area), where=area > 0.0)
     irradiance = system.direct.astype(np.float64)
-    unshot = system.patch_means(system.reflectance * irradiance)
+    unshot = system.reflectance * irradiance
     shot = np.zeros_like(unshot)
     start = (area * unshot).sum(axis=0)
     shots = 0
@@ -113,7 +93,7 @@ def shoot(
         shot, unshot = shot.copy(), unshot.copy()
         shot[chosen] += unshot[chosen]
         unshot[chosen] = 0.0
-        unshot += system.patch_means(system.reflectance * arriving)
+        unshot += system.reflectance * arriving
         shots += len(chosen)
 
 

@@ -41,32 +41,24 @@ def dense(exchange: Exchange):
     return csr_array((exchange.area, exchange.source.astype(np.int64), exchange.start.astype(np.int64)), shape=(n, n))
 
 
-def system_of(exchange, area, reflectance, direct, patch=None):
-    """Shooting system over a stored exchange; with subdivision the elements of a patch shoot its mean."""
-    patch = np.arange(len(area)) if patch is None else patch
+def system_of(exchange, area, reflectance, direct):
+    """Shooting system over a stored exchange."""
     matrix = csr_array(exchange)
-    total = np.bincount(patch, weights=area)
-    share = csr_array((area / total[patch], (patch, np.arange(len(area)))), shape=(len(total), len(area)))
-    pooled = csr_array((share > 0).astype(float) @ matrix)
-    return ShootingSystem(patch, area, reflectance, direct, lambda chosen: csr_array(pooled[chosen]))
+    return ShootingSystem(area, reflectance, direct, lambda chosen: csr_array(matrix[chosen]))
 
 
 @pytest.mark.parametrize("batch", [1, 3])
-@pytest.mark.parametrize("subdivided", [False, True])
-def test_shooting_and_gathering_agree_after_every_shot(batch, subdivided):
+def test_shooting_and_gathering_agree_after_every_shot(batch):
     rng = np.random.default_rng(1)
     exchange, area = lamp_over_floor()
-    patch = np.concatenate([[0, 0], 1 + np.arange(16) // 4]) if subdivided else np.arange(18)
-    reflectance = rng.uniform(0.2, 0.9, (18, 3))[np.unique(patch, return_index=True)[1]][patch]
-    direct = rng.uniform(0.0, 5.0, (18, 3))
-    system = system_of(exchange, area, reflectance, direct, patch)
+    reflectance, direct = rng.uniform(0.2, 0.9, (18, 3)), rng.uniform(0.0, 5.0, (18, 3))
     steps = 0
-    for state in shoot(system, np.ones(3), tolerance=1e-10, batch=batch, max_shots=400):
-        gathered = direct + exchange @ state.shot[patch] / area[:, None]
+    for state in shoot(
+        system_of(exchange, area, reflectance, direct), np.ones(3), tolerance=1e-10, batch=batch, max_shots=400
+    ):
+        gathered = direct + exchange @ state.shot / area[:, None]
         np.testing.assert_allclose(state.irradiance, gathered, rtol=1e-12)
-        np.testing.assert_allclose(
-            state.unshot, system.patch_means(reflectance * gathered) - state.shot, rtol=1e-9, atol=1e-12
-        )
+        np.testing.assert_allclose(state.unshot, reflectance * gathered - state.shot, rtol=1e-9, atol=1e-12)
         steps += 1
     assert steps > 10
     assert state.residual <= 1e-10
@@ -136,10 +128,7 @@ def test_elements_without_area_take_no_part():
     exchange, area = lamp_over_floor()
     exchange[5] = exchange[:, 5] = 0.0
     area[5] = 0.0
-    matrix = csr_array(exchange)
-    system = ShootingSystem(
-        np.arange(18), area, np.full((18, 1), 0.5), np.ones((18, 1)), lambda chosen: csr_array(matrix[chosen])
-    )
+    system = system_of(exchange, area, np.full((18, 1), 0.5), np.ones((18, 1)))
     *_, last = shoot(system, np.ones(1), tolerance=1e-6, max_shots=1000)
     assert np.isfinite(last.irradiance).all()
     assert last.shot[5] == 0.0
