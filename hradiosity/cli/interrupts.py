@@ -19,6 +19,17 @@ def termination_interrupts() -> Iterator[None]:
 
 
 @contextmanager
+def let_through() -> Iterator[None]:
+    """Inside of `held_back`: signals interrupt again."""
+    before = {number: signal.signal(number, signal.default_int_handler) for number in (signal.SIGINT, signal.SIGTERM)}
+    try:
+        yield
+    finally:
+        for number, handler in before.items():
+            signal.signal(number, handler)
+
+
+@contextmanager
 def held_back() -> Iterator[list[int]]:
     """Let what is inside finish; the list holds the signals that came meanwhile."""
     came: list[int] = []

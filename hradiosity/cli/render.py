@@ -18,6 +18,7 @@ def render(
     settings: Settings | None = None,
     resume: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     referee: Annotated[int | None, Parameter(group=EFFORT)] = None,
+    pictures: Annotated[bool, Parameter(negative="--no-pictures", group=OUTPUT)] = True,
     quiet: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     json: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
 ) -> int:
@@ -37,6 +38,8 @@ def render(
         Go on from an interrupted run, or from the result in the folder.
     referee
         Compare with so many unbiased paths from each reading.
+    pictures
+        Draw the views of the scene.
     quiet
         Show nothing but errors.
     json
@@ -53,6 +56,7 @@ def render(
             device=chosen.device,
             resume=resume,
             referee=referee,
+            pictures=pictures,
             quiet=quiet,
             json=json,
         )

@@ -11,9 +11,9 @@ from typing import Any
 
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.display import Display, Expectation, open_display
-from hradiosity.cli.interrupts import held_back, termination_interrupts
+from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
-from hradiosity.cli.text import account_line, enclosed_lines, note_lines, sensor_lines, time_lines
+from hradiosity.cli.text import account_line, note_lines, sensor_lines, time_lines
 from hradiosity.device import Device
 from hradiosity.errors import OutputError
 from hradiosity.io import calibration
@@ -27,6 +27,7 @@ from hradiosity.options import Options
 from hradiosity.radiosity.referee import Referee
 from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.solution import Solution
+from hradiosity.space.check import check_scene, raise_faults
 
 LEAST_PAUSE = 1.0
 """Seconds between two checkpoints on disk, at least."""
@@ -44,6 +45,7 @@ class Request:
     device: str | None
     resume: bool
     referee: int | None
+    pictures: bool
     quiet: bool
     json: bool
 
@@ -127,8 +129,8 @@ class _Session:
         """All of it."""
         with self._display as display:
             self._announce_builds()
-            display.lines(note_lines(self.scene.notes))
             plan = self._solver.plan
+            display.lines(note_lines(self._solver.notes))
             display.lines(plan.lines(), title="Plan")
             display.data("plan", plan_record(plan))
             digest = run_digest(self.scene, plan, self.request.options, self._device.description)
@@ -141,6 +143,20 @@ class _Session:
             if self.request.referee and self.scene.sensors and not interrupted:
                 interrupted = self._referee(solution, self.request.referee)
             return self._finish(solution, digest, interrupted)
+
+    def _check(self) -> None:
+        """Look for what the scene file itself can't show; faults end the run."""
+        if not len(self.scene.patches):
+            return
+        start = time.perf_counter()
+        self._display.stage("checking the scene")
+        findings = check_scene(
+            self.scene, self._solver.on_device.bvh, self._solver.lit, seed=self.request.options.seed
+        )
+        raise_faults(findings, self.scene)
+        self.seconds["checking"] = time.perf_counter() - start
+        self._display.lines(note_lines([finding.as_note() for finding in findings]))
+        self._more["findings"] = [finding.as_json() for finding in findings]
 
     def _announce_builds(self) -> None:
         """Say so when a kernel is built that no earlier run had built."""
@@ -201,12 +217,15 @@ class _Session:
         """Write the results, put them in place, and say what came out."""
         start = time.perf_counter()
         self._display.stage("writing the results")
-        with held_back():
+        with held_back() as came:
             try:
                 write_results(self.partial, solution, self._solver.checkpoint(), digest)
+                if self.request.pictures and not interrupted and not came:
+                    interrupted = self._draw(solution)
             except OutputError as error:
                 raise OutputError(f"{error}; {self._rescue(digest)}") from error
-            self.seconds["writing"] = time.perf_counter() - start
+            interrupted = interrupted or bool(came)
+            self.seconds["writing"] = time.perf_counter() - start - self.seconds.get("pictures", 0.0)
             state, code = self._outcome(interrupted)
             seconds = {**solution.record["stage_seconds"], **self.seconds}
             write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command(), **self._more})
@@ -216,6 +235,24 @@ class _Session:
         self._display.close()
         self._report(solution, seconds, state)
         return code
+
+    def _draw(self, solution: Solution) -> bool:
+        """Draw the pictures; returns whether that was interrupted."""
+        from hradiosity.show.pictures import write_pictures
+
+        start = time.perf_counter()
+        self._display.stage("drawing pictures")
+        try:
+            with let_through():
+                drawn = write_pictures(
+                    solution, self.partial / "pictures", self._device, on_device=self._solver.on_device
+                )
+        except KeyboardInterrupt:
+            return True
+        self.seconds["pictures"] = time.perf_counter() - start
+        self._more["pictures"] = drawn.record
+        self._closing.append(("", note_lines(drawn.notes)))
+        return False
 
     def _rescue(self, digest: str) -> str:
         """Keep a checkpoint where there is no room for the results; says what became of it."""
@@ -245,7 +282,6 @@ class _Session:
         display = self._display
         if solution.readings:
             display.lines(sensor_lines(solution.readings), title="Illuminance, with 95 % intervals")
-            display.lines(enclosed_lines(solution.readings))
         for title, lines in self._closing:
             display.lines(lines, title=title)
         display.lines(time_lines(seconds), title="Where the time went")

@@ -9,7 +9,7 @@ from cyclopts import Group, Parameter
 
 from hradiosity.cli.values import Switch, seconds, share
 from hradiosity.errors import Fault, SceneError
-from hradiosity.options import Options
+from hradiosity.options import Options, Quality
 
 EFFORT = Group("Accuracy and effort", sort_key=1)
 EFFECTS = Group("Effects", sort_key=2)
@@ -23,6 +23,8 @@ class Settings:
 
     Parameters
     ----------
+    quality
+        Starting point for the settings below: draft, normal or fine.
     accuracy
         Like 1%: go on until half the 95 % interval of every reading is below this share of its value.
     time
@@ -31,8 +33,10 @@ class Settings:
         Independent runs whose spread gives the intervals, at least 2.
     seed
         Of all random numbers: the same seed gives the same bits.
+    elements
+        Elements that light is exchanged between, about.
     element_size
-        Edge of the elements that light is exchanged between, in metres.
+        Edge of an element in metres, instead.
     rays_per_element
         Exchange rays from each element, all replicates together.
     light_points
@@ -41,6 +45,8 @@ class Settings:
         Paths from each reading, all replicates together.
     light_samples
         Shadow rays from each reading to each lamp, all replicates together.
+    lookup
+        Hit of a path, 2 or 3, at which the solution is looked up.
     occlusion
         Whether surfaces cast shadows.
     interreflection
@@ -49,15 +55,18 @@ class Settings:
         Number from `hradiosity devices`, or a part of the device's name.
     """
 
+    quality: Annotated[Quality, Parameter(group=EFFORT)] = "normal"
     accuracy: Annotated[float | None, Parameter(converter=share, group=EFFORT)] = None
     time: Annotated[float | None, Parameter(converter=seconds, group=EFFORT)] = None
-    replicates: Annotated[int, Parameter(group=EFFORT)] = Options.replicates
+    replicates: Annotated[int | None, Parameter(group=EFFORT)] = None
     seed: Annotated[int, Parameter(group=EFFORT)] = Options.seed
+    elements: Annotated[int | None, Parameter(group=EFFORT)] = None
     element_size: Annotated[float | None, Parameter(group=EFFORT)] = None
-    rays_per_element: Annotated[int, Parameter(group=EFFORT)] = Options.rays_per_element
-    light_points: Annotated[int, Parameter(group=EFFORT)] = Options.light_points
-    gather_samples: Annotated[int, Parameter(group=EFFORT)] = Options.gather_samples
-    light_samples: Annotated[int, Parameter(group=EFFORT)] = Options.light_samples
+    rays_per_element: Annotated[int | None, Parameter(group=EFFORT)] = None
+    light_points: Annotated[int | None, Parameter(group=EFFORT)] = None
+    gather_samples: Annotated[int | None, Parameter(group=EFFORT)] = None
+    light_samples: Annotated[int | None, Parameter(group=EFFORT)] = None
+    lookup: Annotated[int | None, Parameter(group=EFFORT)] = None
     occlusion: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     interreflection: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     device: str | None = None
@@ -70,14 +79,13 @@ class Settings:
         SceneError
             When a value is out of range.
         """
+        names = ("replicates", "elements", "rays_per_element", "light_points", "gather_samples", "light_samples", "lookup")
+        given = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
         try:
-            return Options(
+            return Options.of_quality(
+                self.quality,
+                **given,
                 element_size=self.element_size,
-                rays_per_element=self.rays_per_element,
-                light_points=self.light_points,
-                light_samples=self.light_samples,
-                gather_samples=self.gather_samples,
-                replicates=self.replicates,
                 accuracy=self.accuracy,
                 time=self.time,
                 occlusion=self.occlusion.forced,

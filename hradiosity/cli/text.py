@@ -37,15 +37,6 @@ def sensor_lines(readings: Mapping[str, Readings]) -> list[str]:
     return aligned(rows)
 
 
-def enclosed_lines(readings: Mapping[str, Readings]) -> list[str]:
-    """A warning for each sensor with readings that lie inside something."""
-    return [
-        f"warning: {int((found.enclosed > 0.5).sum())} of {len(found)} readings of {name!r} lie inside a solid"
-        for name, found in readings.items()
-        if (found.enclosed > 0.5).any()
-    ]
-
-
 def time_lines(seconds: Mapping[str, float]) -> list[str]:
     """Where the time went: stage, seconds, share."""
     total = max(sum(seconds.values()), 1e-9)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
-from hradiosity.model.scene import Scene, Sensor
+from hradiosity.model.scene import Note, Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, Plan
 from hradiosity.planning import make_plan, sized
@@ -21,9 +21,11 @@ from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.moments import ReadingMoments
 from hradiosity.readings.sensors import SurfaceLight, read_points
 from hradiosity.solution import Readings, Solution
+from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
-from hradiosity.space.lit_sides import find_lit_sides
-from hradiosity.transport.device_scene import DeviceElements
+from hradiosity.space.check import check_scene, raise_faults
+from hradiosity.space.lit_sides import LitSides, find_lit_sides
+from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
 NEAR_FACTOR = 1.0
 """With lookup at the second hit: it moves to the third where the second is nearer than this many element sizes."""
@@ -91,6 +93,7 @@ class RadiositySolver:
         self._readings = ReadingMoments(scene.sensors, scene.bands)
         self._surfaces: SurfaceSolver | None = None
         self._effort: Effort | None = None
+        self.notes: tuple[Note, ...] = scene.notes
         self._kept: list[tuple[DeviceElements, SurfaceLight, int]] = []
 
     @property
@@ -102,6 +105,17 @@ class RadiositySolver:
     def plan(self) -> Plan:
         """What the run does; made on first use."""
         return self._prepare().plan
+
+    @property
+    def on_device(self) -> DeviceScene:
+        """The scene's ray structure; made on first use."""
+        return self._prepare().on_device
+
+    @property
+    def lit(self) -> LitSides:
+        """Sides that light was found to reach before the run; made on first use."""
+        self._prepare()
+        return self._lit
 
     def states(self) -> Iterator[State]:
         """Run, yielding after each stage; whoever stops asking keeps what is known so far.
@@ -140,7 +154,7 @@ class RadiositySolver:
         if self._surfaces is None or self.replicates == 0:
             raise RuntimeError("nothing was solved yet")
         return Solution(
-            scene=self.scene,
+            scene=replace(self.scene, notes=self.notes),
             plan=self.plan,
             elements=self._surfaces.elements,
             surfaces=self._surfaces.surfaces(),
@@ -210,13 +224,24 @@ class RadiositySolver:
             cpu = time.process_time()
             with self.record.timed("geometry"):
                 bvh = build_bvh(self.device, self.scene.patches)
-                lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
+                self._lit = lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
+            cpu -= self._check(bvh, lit)
+            with self.record.timed("geometry"):
                 plan = make_plan(self.scene, self.options, lit, self._calibration)
                 surfaces = self.surface_solver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
                 surfaces.plan = sized(plan, len(surfaces.elements), self._calibration)
                 self._surfaces = surfaces
             self.cpu_seconds += time.process_time() - cpu
         return self._surfaces
+
+    def _check(self, bvh: Bvh, lit: LitSides) -> float:
+        """Look for what is doubtful about the scene; returns minus the CPU seconds, which are no part of solving."""
+        cpu = time.process_time()
+        with self.record.timed("check"):
+            findings = check_scene(self.scene, bvh, lit, seed=self.options.seed)
+            raise_faults(findings, self.scene)
+            self.notes = (*self.scene.notes, *(finding.as_note() for finding in findings))
+        return cpu - time.process_time()
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""

@@ -137,12 +137,16 @@ def join_cells(
 
 
 def grid_divisions(patches: Patches, size: float) -> NDArray[np.int64]:
-    """Cells along both edges: one, or the even number that comes nearest to `size`."""
+    """Cells along both edges: one, or the even number that comes nearest to `size`.
+
+    A triangle is cut n times each way so that its cells have about the area size², but no edge above twice `size`.
+    """
     length_u = np.linalg.norm(patches.edge_u, axis=1)
     length_v = np.linalg.norm(patches.edge_v, axis=1)
     longest = np.maximum(np.maximum(length_u, length_v), np.linalg.norm(patches.edge_v - patches.edge_u, axis=1))
     lengths = np.stack([length_u, length_v], axis=1)
-    lengths[patches.is_triangle] = longest[patches.is_triangle, None]
+    across = np.maximum(np.sqrt(patches.area), 0.5 * longest)
+    lengths[patches.is_triangle] = across[patches.is_triangle, None]
     halves = np.maximum(np.rint(lengths / (2.0 * size)), 1.0)
     cells: NDArray[np.int64] = np.where(lengths <= 1.25 * size, 1, 2 * halves).astype(np.int64)
     return cells

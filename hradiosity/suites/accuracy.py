@@ -8,33 +8,19 @@ import sys
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import cast
 
 from hradiosity.device import Device
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
-from hradiosity.options import Options
-from hradiosity.radiosity import RadiositySolver
+from hradiosity.options import QUALITIES, Options, Quality
+from hradiosity.radiosity import make_solver
 from hradiosity.radiosity.referee import RefereeState
 from hradiosity.readings.interval import student_quantile
 from hradiosity.readings.paths import SCRAMBLES
 from hradiosity.solution import Readings
 from hradiosity.suites.compare import Comparison, compare
 from hradiosity.suites.referee_cache import referee_readings
-
-
-@dataclass(frozen=True)
-class Setting:
-    """How finely to solve.
-
-    size : edge of a row element over the one that the plan chooses
-    samples : rays and paths over the usual ones
-    """
-
-    size: float
-    samples: float
-
-
-SETTINGS = {"draft": Setting(2.0, 0.25), "normal": Setting(1.0, 1.0), "fine": Setting(0.5, 4.0)}
 
 
 @dataclass(frozen=True)
@@ -53,25 +39,13 @@ class Outcome:
     error: Comparison
 
 
-def options_of(setting: Setting, element_size: float, seed: int = 0) -> Options:
-    """Options of a run at a setting, in a scene for which the plan chooses `element_size` [m]."""
-    usual = Options()
-    return Options(
-        element_size=element_size * setting.size,
-        rays_per_element=max(64, int(usual.rays_per_element * setting.samples)),
-        light_points=max(8, int(usual.light_points * setting.samples)),
-        light_samples=max(8, int(usual.light_samples * setting.samples)),
-        gather_samples=max(64, int(usual.gather_samples * setting.samples)),
-        seed=seed,
-    )
-
-
 def measure(
     scene: Scene, device: Device, name: str, reference: Mapping[str, Readings], *, seed: int = 0
 ) -> Outcome:
-    """Solve at the setting `name` and compare with the reference."""
-    size = RadiositySolver(scene, Options(), device).plan.element_size
-    solver = RadiositySolver(scene, options_of(SETTINGS[name], size, seed), device)
+    """Solve at the quality `name`, in the mode before a colon if there is one, and compare with the reference."""
+    mode, _, quality = name.rpartition(":")
+    options = Options.of_quality(cast(Quality, quality), seed=seed, mode=mode or "rays")
+    solver = make_solver(scene, options, device)
     wall = 0.0
     for state in solver.states():
         wall = state.seconds
@@ -129,16 +103,16 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("scene", type=Path, help="a scene folder or file")
     parser.add_argument("--paths", type=int, default=16384, help="of the referee, from each reading")
     parser.add_argument("--cache", type=Path, help=".npz file that keeps the referee's readings")
-    parser.add_argument("--settings", type=_settings, default=list(SETTINGS), help="draft,normal,fine")
+    parser.add_argument("--settings", type=_settings, default=list(QUALITIES), help="draft,normal,fine; classic:draft")
     parser.add_argument("--json", type=Path, help="write the figures there as well")
     return parser.parse_args()
 
 
 def _settings(text: str) -> list[str]:
     names = text.split(",")
-    unknown = [name for name in names if name not in SETTINGS]
+    unknown = [name for name in names if name.rpartition(":")[2] not in QUALITIES]
     if unknown:
-        raise argparse.ArgumentTypeError(f"{', '.join(unknown)}: not among {', '.join(SETTINGS)}")
+        raise argparse.ArgumentTypeError(f"{', '.join(unknown)}: not among {', '.join(QUALITIES)}")
     return names
 
 
