@@ -41,6 +41,8 @@ def choose_basis(
     area : (n_materials,)
         Area of each material [m²]: how much its products count.
     """
+    if emission.shape[1] == 0:
+        return None
     features = _features(np.asarray(emission, np.float64), np.asarray(reflectance, np.float64), area)
     size = np.sqrt(np.einsum("fc,fc->c", features, features))
     lit = size > 0.0

@@ -50,6 +50,8 @@ def outcome_of(subject: Subject, hits: Hits, direction: NDArray[np.float64]) -> 
     empty = np.full(len(met), MISSED, np.uint8)
     if subject.scene.sky is not None:
         empty[direction[:, 2] > 0.0] = LIT
+    if len(subject.scene.patches) == 0:
+        return empty
     matter = (hits.side == BACK) & (subject.scene.patches.solid[met] >= 0)
     is_lit = subject.lit.lit[met, hits.side]
     return np.where(hits.patch < 0, empty, np.where(matter, MATTER, np.where(is_lit, LIT, DARK))).astype(np.uint8)
