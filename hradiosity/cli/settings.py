@@ -9,11 +9,17 @@ from cyclopts import Group, Parameter
 
 from hradiosity.cli.values import Switch, seconds, share
 from hradiosity.errors import Fault, SceneError
-from hradiosity.options import Options, Quality
+from hradiosity.options import Mode, Options, Quality
 
 EFFORT = Group("Accuracy and effort", sort_key=1)
-EFFECTS = Group("Effects", sort_key=2)
+EFFECTS = Group("What is computed", sort_key=2)
 OUTPUT = Group("Output", sort_key=3)
+
+OVER_QUALITY = (
+    *("replicates", "elements", "rays_per_element", "light_points"),
+    *("gather_samples", "light_samples", "lookup"),
+)
+"""Settings that the quality chooses unless they are given."""
 
 
 @Parameter(name="*")
@@ -51,6 +57,8 @@ class Settings:
         Whether surfaces cast shadows.
     interreflection
         Whether reflected light is computed.
+    mode
+        How light is exchanged: rays, or classic for hemicubes, shooting and adaptive subdivision.
     device
         Number from `hradiosity devices`, or a part of the device's name.
     """
@@ -69,6 +77,7 @@ class Settings:
     lookup: Annotated[int | None, Parameter(group=EFFORT)] = None
     occlusion: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     interreflection: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
+    mode: Annotated[Mode, Parameter(group=EFFECTS)] = Options.mode
     device: str | None = None
 
     def options(self) -> Options:
@@ -79,8 +88,7 @@ class Settings:
         SceneError
             When a value is out of range.
         """
-        names = ("replicates", "elements", "rays_per_element", "light_points", "gather_samples", "light_samples", "lookup")
-        given = {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+        given = {name: getattr(self, name) for name in OVER_QUALITY if getattr(self, name) is not None}
         try:
             return Options.of_quality(
                 self.quality,
@@ -91,6 +99,7 @@ class Settings:
                 occlusion=self.occlusion.forced,
                 interreflection=self.interreflection.forced,
                 seed=self.seed,
+                mode=self.mode,
             )
         except ValueError as error:
             raise SceneError([Fault("command line", "", str(error).replace("_", "-"), "")]) from error

@@ -98,10 +98,10 @@ def _check_file(path: Path) -> None:
 
 
 def _run_worker(path: Path, result: Path, timeout: float) -> None:
-    """Run ``mesh_worker``; turns crash and hang into a fault of the file."""
+    """Run `hradiosity.io.mesh.worker`; turns crash and hang into a fault of the file."""
     package_root = str(Path(__file__).resolve().parents[2])
     paths = [package_root, *filter(None, [os.environ.get("PYTHONPATH")])]
-    command = [sys.executable, "-m", "hradiosity.io.mesh_worker", str(path), str(result)]
+    command = [sys.executable, "-m", "hradiosity.io.mesh.worker", str(path), str(result)]
     try:
         done = subprocess.run(
             command,

@@ -6,17 +6,17 @@ from pathlib import Path
 from typing import Any
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.scene_checks import check_scene
-from hradiosity.io.scene_frame import Frame
-from hradiosity.io.scene_geometry import read_surfaces
-from hradiosity.io.scene_lamps import read_lamps, read_sky
-from hradiosity.io.scene_materials import read_materials
-from hradiosity.io.scene_names import Names
-from hradiosity.io.scene_report import Report
-from hradiosity.io.scene_schema import BandsTable, EdgeBands, RangeBands, SceneFile
-from hradiosity.io.scene_sensors import read_sensors, read_views
-from hradiosity.io.scene_validate import parse_toml, validate
-from hradiosity.io.schema_base import Table
+from hradiosity.io.scene.checks import check_scene
+from hradiosity.io.scene.frame import Frame
+from hradiosity.io.scene.geometry import read_surfaces
+from hradiosity.io.scene.lamps import read_lamps, read_sky
+from hradiosity.io.scene.materials import read_materials
+from hradiosity.io.scene.names import Names
+from hradiosity.io.scene.report import Report
+from hradiosity.io.scene.schema import BandsTable, EdgeBands, RangeBands, SceneFile
+from hradiosity.io.scene.schema_base import Table
+from hradiosity.io.scene.sensors import read_sensors, read_views
+from hradiosity.io.scene.validate import parse_toml, validate
 from hradiosity.model.scene import Scene
 from hradiosity.model.spectrum import Bands
 

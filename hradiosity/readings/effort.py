@@ -13,7 +13,7 @@ from hradiosity.transport.direct import direct_at_points
 
 PILOT_PATHS = 64
 PILOT_NEAR_FACTOR = 1.0
-PILOT_LIGHT_SAMPLES = 16
+PILOT_LIGHT_SAMPLES = 64
 DARK_SHARE = 0.05
 """Readings darker than this share of the mean count as that bright: their relative error matters less."""
 LEAST, MOST = 0.5, 16.0

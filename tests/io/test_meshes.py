@@ -13,10 +13,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hradiosity.errors import SceneError
-from hradiosity.io.mesh_clean import clean
-from hradiosity.io.mesh_gltf import read_gltf
-from hradiosity.io.mesh_obj import read_obj
-from hradiosity.io.mesh_raw import PartLabel, RawMesh, triangulate_faces
+from hradiosity.io.mesh.clean import clean
+from hradiosity.io.mesh.gltf import read_gltf
+from hradiosity.io.mesh.obj import read_obj
+from hradiosity.io.mesh.raw import PartLabel, RawMesh, triangulate_faces
 from hradiosity.io.meshes import SUFFIXES, read_mesh
 from hradiosity.model.meshing import merge_triangles
 

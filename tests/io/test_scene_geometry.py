@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scene_writing import FLOOR, HEADER, LAMP, OPEN_ROOM, PAINT, PANEL, faults, load, warnings
 
-from hradiosity.io.scene_frame import Frame, rotation
+from hradiosity.io.scene.frame import Frame, rotation
 from hradiosity.model.geometry import NONE
 from hradiosity.model.solids import find_solids
 

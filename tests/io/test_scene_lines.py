@@ -2,7 +2,7 @@
 
 import tomllib
 
-from hradiosity.io.scene_lines import find_lines, line_of
+from hradiosity.io.scene.lines import find_lines, line_of
 
 TEXT = """# a remark
 [scene]

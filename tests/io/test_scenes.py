@@ -8,7 +8,7 @@ import pytest
 
 from hradiosity.errors import OutputError, SceneError
 from hradiosity.io.new_room import write_new_room
-from hradiosity.io.scene_schema import SceneFile, scene_json_schema
+from hradiosity.io.scene.schema import SceneFile, scene_json_schema
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.geometry import NONE
 

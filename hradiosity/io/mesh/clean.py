@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.mesh_raw import RawMesh
+from hradiosity.io.mesh.raw import RawMesh
 from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Note
 from hradiosity.model.solids import find_solids

@@ -6,15 +6,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.io.scene_boxes import boxes_piece
-from hradiosity.io.scene_frame import Frame
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_meshes import mesh_piece
-from hradiosity.io.scene_names import Names
-from hradiosity.io.scene_pieces import Piece, Surfaces, is_degenerate, join
-from hradiosity.io.scene_report import Report
-from hradiosity.io.scene_schema import SceneFile
-from hradiosity.io.schema_surfaces import PolygonTable, RectangleTable
+from hradiosity.io.scene.boxes import boxes_piece
+from hradiosity.io.scene.frame import Frame
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.meshes import mesh_piece
+from hradiosity.io.scene.names import Names
+from hradiosity.io.scene.pieces import Piece, Surfaces, is_degenerate, join
+from hradiosity.io.scene.report import Report
+from hradiosity.io.scene.schema import SceneFile
+from hradiosity.io.scene.schema_surfaces import PolygonTable, RectangleTable
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.meshing import Pieces
 from hradiosity.model.polygons import newell_normal, planarity_defect, polygon_to_patches

@@ -4,8 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from hradiosity.io.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one
-from hradiosity.io.schema_surfaces import BoxFace
+from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one
+from hradiosity.io.scene.schema_surfaces import BoxFace
 
 _NAME = "name, as it appears in readings.csv"
 

@@ -5,11 +5,11 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.io.scene_frame import Frame
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_pieces import Surfaces, select
-from hradiosity.io.scene_report import Report, did_you_mean
-from hradiosity.io.schema_sensors import SurfaceSensor
+from hradiosity.io.scene.frame import Frame
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.pieces import Surfaces, select
+from hradiosity.io.scene.report import Report, did_you_mean
+from hradiosity.io.scene.schema_sensors import SurfaceSensor
 from hradiosity.model.geometry import Patches
 from hradiosity.model.scene import Sensor
 

@@ -4,7 +4,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, model_validator
 
-from hradiosity.io.schema_base import Name, Number, Positive, Table, Vector, exactly_one
+from hradiosity.io.scene.schema_base import Name, Number, Positive, Table, Vector, exactly_one
 from hradiosity.metrics.upsampling import Upsampling
 
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.mesh_raw import PartLabel, RawMesh
+from hradiosity.io.mesh.raw import PartLabel, RawMesh
 from hradiosity.model.scene import Note
 
 _COMPONENT: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}

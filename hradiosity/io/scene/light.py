@@ -7,9 +7,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.errors import SceneError
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_report import Report
-from hradiosity.io.schema_light import (
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.report import Report
+from hradiosity.io.scene.schema_light import (
     LightFile,
     LightSpectrum,
     SpectrumBlackbody,

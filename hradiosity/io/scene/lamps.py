@@ -7,15 +7,15 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.io.scene_frame import Frame
-from hradiosity.io.scene_light import Shape, light_shape
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_names import Names
-from hradiosity.io.scene_pieces import Surfaces
-from hradiosity.io.scene_report import Report
-from hradiosity.io.schema_base import exactly_one
-from hradiosity.io.schema_light import AMOUNTS, LuminaireTable, SkyTable
-from hradiosity.io.schema_surfaces import PointSourceTable
+from hradiosity.io.scene.frame import Frame
+from hradiosity.io.scene.light import Shape, light_shape
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.names import Names
+from hradiosity.io.scene.pieces import Surfaces
+from hradiosity.io.scene.report import Report
+from hradiosity.io.scene.schema_base import exactly_one
+from hradiosity.io.scene.schema_light import AMOUNTS, LuminaireTable, SkyTable
+from hradiosity.io.scene.schema_surfaces import PointSourceTable
 from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Emitters, Luminaire, Sky
 from hradiosity.model.spectrum import Bands

@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from hradiosity.io.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one
+from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one
 
 LengthUnit = Literal["m", "cm", "mm", "in", "ft"]
 UpAxis = Literal["z", "y"]

@@ -11,9 +11,9 @@ from pydantic.fields import FieldInfo
 from pydantic_core import ErrorDetails
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_report import Report, did_you_mean
-from hradiosity.io.scene_schema import SceneFile
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.report import Report, did_you_mean
+from hradiosity.io.scene.schema import SceneFile
 
 _UNBUILT: Final = {
     "sun": "the sun",

@@ -6,12 +6,12 @@ from typing import Final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.io.scene_frame import Frame, rotation
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_names import Names
-from hradiosity.io.scene_pieces import Piece, select
-from hradiosity.io.scene_report import Report
-from hradiosity.io.schema_surfaces import BoxFace, BoxFaces, BoxTable
+from hradiosity.io.scene.frame import Frame, rotation
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.names import Names
+from hradiosity.io.scene.pieces import Piece, select
+from hradiosity.io.scene.report import Report
+from hradiosity.io.scene.schema_surfaces import BoxFace, BoxFaces, BoxTable
 from hradiosity.model.geometry import NONE, Patches
 
 FACES: Final[tuple[BoxFace, ...]] = get_args(BoxFace)

@@ -8,7 +8,7 @@ from typing import Final, Literal
 import numpy as np
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.mesh_raw import PartLabel, RawMesh, triangulate_faces
+from hradiosity.io.mesh.raw import PartLabel, RawMesh, triangulate_faces
 from hradiosity.model.scene import Note
 
 _MOST_FAULTS: Final = 20

@@ -1,6 +1,6 @@
 """Reads and mends one mesh file in a process of its own, so that a crash of native code ends only that process.
 
-Called as ``python -m hradiosity.io.mesh_worker FILE RESULT.npz``.
+Called as ``python -m hradiosity.io.mesh.worker FILE RESULT.npz``.
 """
 
 import json
@@ -13,11 +13,11 @@ from typing import Final
 import numpy as np
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.mesh_assimp import read_with_assimp
-from hradiosity.io.mesh_clean import clean
-from hradiosity.io.mesh_gltf import read_gltf
-from hradiosity.io.mesh_obj import read_obj
-from hradiosity.io.mesh_raw import RawMesh
+from hradiosity.io.mesh.assimp import read_with_assimp
+from hradiosity.io.mesh.clean import clean
+from hradiosity.io.mesh.gltf import read_gltf
+from hradiosity.io.mesh.obj import read_obj
+from hradiosity.io.mesh.raw import RawMesh
 
 READERS: Final[dict[str, Callable[[Path], RawMesh]]] = {
     ".obj": read_obj,

@@ -7,12 +7,12 @@ import numpy as np
 
 from hradiosity.errors import SceneError
 from hradiosity.io.meshes import MeshFile, MeshPart, read_mesh
-from hradiosity.io.scene_frame import Frame, rotation
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_names import Names
-from hradiosity.io.scene_pieces import Piece
-from hradiosity.io.scene_report import Report, did_you_mean
-from hradiosity.io.schema_surfaces import MeshTable
+from hradiosity.io.scene.frame import Frame, rotation
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.names import Names
+from hradiosity.io.scene.pieces import Piece
+from hradiosity.io.scene.report import Report, did_you_mean
+from hradiosity.io.scene.schema_surfaces import MeshTable
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.meshing import merge_triangles
 from hradiosity.model.solids import find_solids

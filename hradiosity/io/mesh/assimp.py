@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.mesh_raw import PartLabel, RawMesh
+from hradiosity.io.mesh.raw import PartLabel, RawMesh
 
 
 def read_with_assimp(path: Path) -> RawMesh:

@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_report import Report, did_you_mean
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.report import Report, did_you_mean
 from hradiosity.model.geometry import NONE
 
 

@@ -4,8 +4,8 @@ from typing import Final
 
 import numpy as np
 
-from hradiosity.io.scene_frame import Frame
-from hradiosity.io.scene_report import Report
+from hradiosity.io.scene.frame import Frame
+from hradiosity.io.scene.report import Report
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.scene import Scene
 from hradiosity.model.solids import find_solids

@@ -6,12 +6,12 @@ from typing import Final
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from hradiosity.io.scene_frame import Frame
-from hradiosity.io.scene_lines import Location
-from hradiosity.io.scene_pieces import Surfaces
-from hradiosity.io.scene_report import Report
-from hradiosity.io.scene_surface_points import is_reasonable, surface_sensor
-from hradiosity.io.schema_sensors import EyeSensor, GridSensor, PointsSensor, SensorTable, ViewTable
+from hradiosity.io.scene.frame import Frame
+from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.pieces import Surfaces
+from hradiosity.io.scene.report import Report
+from hradiosity.io.scene.schema_sensors import EyeSensor, GridSensor, PointsSensor, SensorTable, ViewTable
+from hradiosity.io.scene.surface_points import is_reasonable, surface_sensor
 from hradiosity.model.scene import Sensor, View
 
 _UP: Final = np.array([0.0, 0.0, 1.0])

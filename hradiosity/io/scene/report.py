@@ -5,7 +5,7 @@ from collections.abc import Iterable
 from pathlib import Path
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.scene_lines import Location, find_lines, line_of
+from hradiosity.io.scene.lines import Location, find_lines, line_of
 from hradiosity.model.scene import Note
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.io.scene_lines import Location
+from hradiosity.io.scene.lines import Location
 from hradiosity.model.geometry import NONE, Patches
 
 

@@ -4,10 +4,10 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag
 
-from hradiosity.io.schema_base import Name, Number, Positive, Table
-from hradiosity.io.schema_light import LuminaireTable, MaterialTable, SkyTable
-from hradiosity.io.schema_sensors import SensorTable, ViewTable
-from hradiosity.io.schema_surfaces import (
+from hradiosity.io.scene.schema_base import Name, Number, Positive, Table
+from hradiosity.io.scene.schema_light import LuminaireTable, MaterialTable, SkyTable
+from hradiosity.io.scene.schema_sensors import SensorTable, ViewTable
+from hradiosity.io.scene.schema_surfaces import (
     BoxTable,
     LengthUnit,
     MeshTable,

@@ -1,0 +1,1 @@
+"""Mesh files: one module a format, read and cleaned in a process of their own."""
