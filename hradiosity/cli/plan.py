@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from hradiosity.cli.settings import Settings
@@ -22,16 +23,17 @@ def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False
     from hradiosity.io.calibration import load_calibration
     from hradiosity.io.run_record import plan_record, to_json
     from hradiosity.io.scene_toml import load_scene
-    from hradiosity.radiosity.solver import RadiositySolver
+    from hradiosity.radiosity import make_solver
 
     chosen = settings or Settings()
-    options = chosen.options()
+    options = replace(chosen.options(), pictures=True)
     loaded = load_scene(scene)
     device = Device(chosen.device)
-    made = RadiositySolver(loaded, options, device, load_calibration(device.description)).plan
+    solver = make_solver(loaded, options, device, load_calibration(device.description))
+    made = solver.plan
     if json:
         print(to_json(plan_record(made)))
         return 0
-    for line in (*note_lines(loaded.notes, all_of_them=True), *made.lines(), f"device: {device.description}"):
+    for line in (*note_lines(solver.notes, all_of_them=True), *made.lines(), f"device: {device.description}"):
         print(line)
     return 0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated
 
@@ -52,7 +53,7 @@ def render(
         Request(
             scene=scene,
             out=out if out is not None else Path("results") / _name(scene),
-            options=chosen.options(),
+            options=replace(chosen.options(), pictures=pictures),
             device=chosen.device,
             resume=resume,
             referee=referee,

@@ -5,13 +5,14 @@ from __future__ import annotations
 import shlex
 import sys
 import time
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.display import Display, Expectation, open_display
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
+from hradiosity.cli.live_files import LiveFiles
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
 from hradiosity.cli.text import account_line, note_lines, sensor_lines, time_lines
 from hradiosity.device import Device
@@ -24,15 +25,9 @@ from hradiosity.io.run_record import plan_record, sensor_record
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
+from hradiosity.radiosity import make_solver
 from hradiosity.radiosity.referee import Referee
-from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.solution import Solution
-from hradiosity.space.check import check_scene, raise_faults
-
-LEAST_PAUSE = 1.0
-"""Seconds between two checkpoints on disk, at least."""
-CHECKPOINT_SHARE = 0.05
-"""Share of the time that writing checkpoints may take."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -74,35 +69,6 @@ def run(request: Request) -> int:
             close_partial(out)
 
 
-@dataclass
-class _Checkpoints:
-    """Saves checkpoints, not too often.
-
-    problem : why the last one could not be saved
-    """
-
-    folder: Path
-    digest: str
-    problem: str | None = None
-    _next: float = field(default_factory=lambda: time.perf_counter() + LEAST_PAUSE)
-
-    def offer(self, solver: RadiositySolver) -> None:
-        """Save one if it is time to; a full disk does not stop the run, which may well find room at its end."""
-        start = time.perf_counter()
-        if start < self._next:
-            return
-        with held_back() as came:
-            try:
-                save_checkpoint(self.folder, solver.checkpoint(), self.digest)
-                self.problem = None
-            except OutputError as error:
-                self.problem = str(error)
-        end = time.perf_counter()
-        self._next = end + max(LEAST_PAUSE, (end - start) / CHECKPOINT_SHARE)
-        if came:
-            raise KeyboardInterrupt
-
-
 class _Session:
     """The run of one request, once its scene is read and its output folder is proved to be writable."""
 
@@ -112,7 +78,7 @@ class _Session:
         self._device = Device(request.device)
         measured = calibration.load_calibration(self._device.description)
         self._known_builds = calibration.load_builds(self._device.description)
-        self._solver = RadiositySolver(scene, request.options, self._device, measured)
+        self._solver = make_solver(scene, request.options, self._device, measured)
         self._display: Display = open_display(
             quiet=request.quiet, json=request.json, doing=lambda: self._solver.record.stage
         )
@@ -144,20 +110,6 @@ class _Session:
                 interrupted = self._referee(solution, self.request.referee)
             return self._finish(solution, digest, interrupted)
 
-    def _check(self) -> None:
-        """Look for what the scene file itself can't show; faults end the run."""
-        if not len(self.scene.patches):
-            return
-        start = time.perf_counter()
-        self._display.stage("checking the scene")
-        findings = check_scene(
-            self.scene, self._solver.on_device.bvh, self._solver.lit, seed=self.request.options.seed
-        )
-        raise_faults(findings, self.scene)
-        self.seconds["checking"] = time.perf_counter() - start
-        self._display.lines(note_lines([finding.as_note() for finding in findings]))
-        self._more["findings"] = [finding.as_json() for finding in findings]
-
     def _announce_builds(self) -> None:
         """Say so when a kernel is built that no earlier run had built."""
         said = False
@@ -183,14 +135,13 @@ class _Session:
 
     def _solve(self, digest: str) -> bool:
         """Run the solver; returns whether it was interrupted."""
-        checkpoints = _Checkpoints(self.partial, digest)
         options = self.request.options
         expectation = Expectation(options.accuracy, options.time)
         try:
+            self._live = LiveFiles(self.partial, self._solver, digest, preview=self.request.pictures)
             for state in self._solver.states():
                 self._display.state(state, expectation.remaining(state))
-                if state.replicate:
-                    checkpoints.offer(self._solver)
+                self._live.update()
         except KeyboardInterrupt:
             return True
         return False
@@ -249,6 +200,7 @@ class _Session:
                 )
         except KeyboardInterrupt:
             return True
+        self._live.remove_preview()
         self.seconds["pictures"] = time.perf_counter() - start
         self._more["pictures"] = drawn.record
         self._closing.append(("", note_lines(drawn.notes)))

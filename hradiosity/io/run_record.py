@@ -109,11 +109,11 @@ def _plain(value: Any) -> Any:
 
 def _repeat_with(solution: Solution) -> dict[str, Any]:
     """Options that give the same bits again, whatever ended the run: samples of a replicate times replicates."""
-    plan, count = solution.plan, solution.replicates
+    plan, count, options = solution.plan, solution.replicates, solution.record["options"]
     totals = ("rays_per_element", "light_points", "light_samples", "gather_samples")
     return {
         "replicates": count,
         "element_size": plan.element_size,
-        "seed": solution.record["options"]["seed"],
         **{name: getattr(plan, name) * count for name in totals},
+        **{name: options[name] for name in ("lookup", "mode", "seed")},
     }

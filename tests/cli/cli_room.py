@@ -47,6 +47,6 @@ normal = [0.0, 1.0, 0.0]
 """
 QUICK = (
     *("--element-size", "0.7", "--rays-per-element", "64", "--light-points", "16"),
-    *("--gather-samples", "64", "--light-samples", "16"),
+    *("--gather-samples", "64", "--light-samples", "16", "--no-pictures"),
 )
 """Settings with which it takes a moment."""

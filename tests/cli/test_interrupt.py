@@ -11,9 +11,10 @@ import numpy as np
 import pytest
 from cli_room import QUICK
 
-from hradiosity.cli import session
+from hradiosity.cli import live_files, session
 from hradiosity.radiosity.solver import RadiositySolver
 
+ENDLESS = ("--replicates", "250", "--no-pictures")
 TABLES = ("readings.csv", "spectra.csv", "spectra_half_width.csv")
 
 
@@ -64,7 +65,7 @@ def test_resume_equals_uninterrupted(room, call, tmp_path, monkeypatch, known, l
 def test_resume_of_a_killed_run(room, call, tmp_path, monkeypatch):
     """Nothing but the live checkpoint is left, as after a loss of power."""
     assert call("render", room, "-o", tmp_path / "whole", "--quiet", *QUICK).code == 0
-    monkeypatch.setattr(session, "LEAST_PAUSE", 0.0)
+    monkeypatch.setattr(live_files, "LEAST_PAUSE", 0.0)
     with monkeypatch.context() as patched:
         patched.setattr(session, "publish", killed)
         patched.setattr(session, "write_results", killed)
@@ -120,7 +121,7 @@ def test_interrupted_before_anything_is_known(room, call, tmp_path, monkeypatch)
 def test_signals(room, tmp_path, number):
     """A real signal in the middle of a long run; the results are whole."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "hradiosity", "render", str(room), "-o", "out", "--json", "--replicates", "250"],
+        [sys.executable, "-m", "hradiosity", "render", str(room), "-o", "out", "--json", *ENDLESS],
         stdout=subprocess.PIPE,
         stderr=subprocess.PIPE,
         text=True,

@@ -144,7 +144,7 @@ def test_accuracy_is_reached_with_more_replicates_and_they_can_be_repeated(room,
     assert run["replicates"] > 4
     assert max(sensor["accuracy"] for sensor in run["sensors"].values()) <= float(wanted[:-1]) / 100
     words = [word for name, value in run["repeat_with"].items() for word in (f"--{name.replace('_', '-')}", value)]
-    assert call("render", room, "-o", tmp_path / "b", "--quiet", *words).code == 0
+    assert call("render", room, "-o", tmp_path / "b", "--quiet", "--no-pictures", *words).code == 0
     assert (tmp_path / "a" / "spectra.csv").read_bytes() == (tmp_path / "b" / "spectra.csv").read_bytes()
 
 
@@ -163,14 +163,63 @@ def test_one_triangle(call, tmp_path):
         '[[polygon]]\nname = "only"\nvertices = [[0,0,0], [1,0,0], [0,1,0]]\nmaterial = "paint"\nluminaire = "lamp"\n'
         '[[sensor]]\nname = "above"\nkind = "points"\npositions = [[0.3, 0.3, 1.0]]\nnormal = [0, 0, -1]\n'
     )
-    assert call("render", tmp_path, "-o", tmp_path / "out").code == 0
+    assert call("render", tmp_path, "-o", tmp_path / "out", *QUICK).code == 0
     assert float(rows(tmp_path / "out" / "readings.csv")[1][8]) > 0.0
 
 
 def test_referee_agrees(room, call, tmp_path):
-    outcome = call("render", room, "-o", tmp_path / "out", "--referee", 2000, "--element-size", "0.25")
+    outcome = call("render", room, "-o", tmp_path / "out", "--referee", 2000, "--element-size", 0.25, "--no-pictures")
     found = json.loads((tmp_path / "out" / "run.json").read_text())["referee"]["comparison"]
     assert outcome.code == 0
     assert "Against the referee" in outcome.out
     assert found["illuminance_rms"] < 0.05
     assert len(rows(tmp_path / "out" / "referee_spectra.csv")) == 8
+
+
+VIEW = '[[view]]\nname = "door"\nposition = [0.2, 0.2, 1.6]\ntarget = [2.0, 1.2, 0.8]\nsize = [40, 30]\n'
+
+
+@pytest.fixture
+def room_with_view(room):
+    with (room / "scene.toml").open("a") as file:
+        file.write(VIEW)
+    return room
+
+
+def test_pictures(room_with_view, call, tmp_path):
+    with_pictures = [word for word in QUICK if word != "--no-pictures"]
+    outcome = call("render", room_with_view, "-o", tmp_path / "out", *with_pictures)
+    assert outcome.code == 0
+    names = {path.name for path in (tmp_path / "out" / "pictures").iterdir()}
+    assert {"door_smooth.png", "door_smooth.exr", "door_false-color.png", "pictures.json"} <= names
+    assert "preview.png" not in names
+    run = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert run["stage_seconds"]["pictures"] > 0.0
+    assert len(run["pictures"]["pictures"]) == 5
+
+
+def test_pictures_that_are_interrupted_are_drawn_by_resuming(room_with_view, call, tmp_path, monkeypatch):
+    from hradiosity.show import pictures
+
+    def broken(*arguments, **keywords):
+        raise KeyboardInterrupt
+
+    with_pictures = [word for word in QUICK if word != "--no-pictures"]
+    with monkeypatch.context() as patched:
+        patched.setattr(pictures, "write_pictures", broken)
+        assert call("render", room_with_view, "-o", tmp_path / "out", *with_pictures).code == 130
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["replicates"] == 4
+    assert (tmp_path / "out" / "pictures" / "preview.png").stat().st_size > 100
+    assert call("render", room_with_view, "-o", tmp_path / "out", "--resume", *with_pictures).code == 0
+    assert (tmp_path / "out" / "pictures" / "door_flat.png").exists()
+
+
+def test_camera_inside_a_wall(room, call, tmp_path):
+    block = '[[box]]\nname = "block"\ncorner = [0.1, 0.1, 0]\nsize = [0.3, 0.3, 2]\nmaterial = "wall"\n'
+    with (room / "scene.toml").open("a") as file:
+        file.write(block + VIEW)
+    outcome = call("render", room, "-o", tmp_path / "out", *QUICK)
+    assert outcome.code == 2
+    for part in ("scene.toml", "door", "block"):
+        assert part in outcome.err
+    assert not (tmp_path / "out.partial").exists()
