@@ -238,7 +238,8 @@ class RadiositySolver:
         """Look for what is doubtful about the scene; returns minus the CPU seconds, which are no part of solving."""
         cpu = time.process_time()
         with self.record.timed("check"):
-            findings = check_scene(self.scene, bvh, lit, seed=self.options.seed)
+            has_surfaces = len(self.scene.patches) > 0
+            findings = check_scene(self.scene, bvh, lit, seed=self.options.seed) if has_surfaces else ()
             raise_faults(findings, self.scene)
             self.notes = (*self.scene.notes, *(finding.as_note() for finding in findings))
         return cpu - time.process_time()
