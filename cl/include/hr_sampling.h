@@ -67,13 +67,13 @@ HR_FORCE_INLINE uint hr_combine(const uint seed, const uint value)
     return hr_hash(seed ^ (hr_hash(value) + 0x9e3779b9u + (seed << 6) + (seed >> 2)));
 }
 
+/* The bytes change places as a vector: shifts alone would become an instruction that Oclgrind does not know. */
 HR_FORCE_INLINE uint hr_reverse_bits(uint x)
 {
     x = ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
     x = ((x >> 2) & 0x33333333u) | ((x & 0x33333333u) << 2);
     x = ((x >> 4) & 0x0f0f0f0fu) | ((x & 0x0f0f0f0fu) << 4);
-    x = ((x >> 8) & 0x00ff00ffu) | ((x & 0x00ff00ffu) << 8);
-    return (x >> 16) | (x << 16);
+    return as_uint(as_uchar4(x).wzyx);
 }
 
 /* Owen's nested uniform scramble of the bits after the binary point, by hashing: each bit is flipped depending on

@@ -1,0 +1,113 @@
+"""Every kernel once with tiny arrays, for the memory checker; see README for how to run it.
+
+The checker's own log must stay empty. The numbers are looked at as well: another make of driver computed them.
+"""
+
+import os
+from pathlib import Path
+
+import numpy as np
+import pytest
+from rooms import cube
+
+from hradiosity.model.scene import View
+from hradiosity.options import Options
+from hradiosity.planning import make_plan
+from hradiosity.radiosity.surfaces import Record, SurfaceSolver
+from hradiosity.readings.paths import trace_referee
+from hradiosity.readings.sensors import read_points
+from hradiosity.show.camera import trace_view
+from hradiosity.space.bvh_build import build_bvh
+from hradiosity.space.hierarchy import build_elements
+from hradiosity.space.lit_sides import LitSides
+from hradiosity.transport.device_scene import upload_scene
+from hradiosity.transport.form_factor.hemicube import Hemicube
+
+pytestmark = pytest.mark.oclgrind
+LOG = Path(os.environ.get("OCLGRIND_LOG", os.devnull))
+"""Where the checker writes what it finds."""
+
+
+@pytest.fixture(autouse=True)
+def empty_log(device):
+    """The test at which the checker complains fails."""
+    if "oclgrind" in device.info.platform.lower() and "OCLGRIND_LOG" not in os.environ:
+        pytest.fail("nobody would read what the checker finds: give oclgrind the option --log")
+    before = LOG.read_text() if LOG.is_file() else ""
+    yield
+    assert (LOG.read_text() if LOG.is_file() else "") == before
+
+
+def furnished_cube(bands):
+    """A lit cube with a solid block that casts shadows and covers a part of the floor, and two readings."""
+    room = cube(0.5, bands)
+    room.box((0.3, 0.3, 0.0), (0.7, 0.6, 0.4), 0, solid=True)
+    room.lamp(room.patch((0.2, 0.2, 0.99), (0.0, 0.3, 0.0), (0.3, 0.0, 0.0), 0), 1.0)
+    room.point((0.8, 0.8, 0.8), 0.1)
+    room.sensor([[0.2, 0.5, 0.1], [0.9, 0.2, 0.3]], (0.0, 0.0, 1.0))
+    return room.scene()
+
+
+def lit_fronts(scene):
+    """The front sides are lit, without asking any ray."""
+    lit = np.array([[True, False]] * len(scene.patches))
+    return LitSides(lit=lit, space=np.where(lit, 0, -1).astype(np.int32), open=np.array([False]), free_path=0.5)
+
+
+@pytest.mark.parametrize("bands", [1, 11])
+def test_a_replicate(device, bands):
+    """Exchange, direct light, solution, readings; eleven paints that differ fill two groups of eight columns partly."""
+    scene = furnished_cube(bands)
+    scene.materials[0].reflectance[:] = np.linspace(0.3, 0.6, bands)
+    options = Options(
+        element_size=1.0, rays_per_element=32, light_points=2, light_samples=2, gather_samples=4, replicates=2
+    )
+    lit = lit_fronts(scene)
+    plan = make_plan(scene, options, lit)
+    solver = SurfaceSolver(device, scene, build_bvh(device, scene.patches), lit, plan, options, Record())
+    light = solver.replicate(1)
+    sensor, few = scene.sensors[0], np.array([4, 2])
+    samples = read_points(
+        solver.on_device,
+        solver.on_device_elements,
+        light,
+        sensor.position,
+        sensor.normal,
+        light_samples=few,
+        gather_samples=few,
+        near_factor=1.0,
+        seed=1,
+    )
+    irradiance = plan.columns.to_bands(samples.irradiance)
+    assert irradiance.shape == (2, bands)
+    assert (irradiance > 0.0).all()
+    assert (np.diff(irradiance, axis=1) >= 0.0).all()
+
+
+def test_unbiased_paths(device):
+    scene = furnished_cube(3)
+    on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=True)
+    sensor = scene.sensors[0]
+    samples = trace_referee(
+        on_device, scene, sensor.position, sensor.normal, paths=8, seed=1, scrambles=2, depth_limit=4
+    )
+    assert (samples.irradiance > 0.0).all()
+    np.testing.assert_allclose(samples.irradiance, samples.irradiance[:, :1].repeat(3, axis=1), rtol=1e-5)
+
+
+def test_hemicube(device):
+    scene = furnished_cube(1)
+    on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=True)
+    elements = build_elements(scene.patches, lit_fronts(scene).space, np.ones(len(scene.materials), bool), 0.5)
+    sensor = scene.sensors[0]
+    views = Hemicube(on_device, scene.patches, elements, 8).views(sensor.position, sensor.normal, np.array([0.3, 1.7]))
+    total = np.asarray(views.factor.sum(axis=1)).ravel() + views.covered + views.unlit
+    np.testing.assert_allclose(total, 1.0, atol=1e-5)
+
+
+def test_camera(device):
+    scene = furnished_cube(1)
+    view = View("in", np.array([0.5, 0.05, 0.5]), np.array([0.0, 1.0, 0.0]), np.array([0.0, 0.0, 1.0]), 70.0, 6, 4)
+    hits = trace_view(build_bvh(device, scene.patches), view, 1)
+    assert (hits.side >= 0).all()
+    assert np.isfinite(hits.depth).all()
