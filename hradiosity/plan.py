@@ -25,7 +25,7 @@ class Effect:
 
     def line(self, width: int = 0) -> str:
         """The effect in words, its name padded to `width`."""
-        saved = f" (saves about {self.saved_seconds:.2g} s)" if self.saved_seconds > 0 else ""
+        saved = f" (saves about {self.saved_seconds:.2g} s)" if self.saved_seconds >= 0.05 else ""
         return f"{self.name:<{width}}  {'computed' if self.needed else 'left out'}  {self.because}{saved}"
 
 

@@ -178,7 +178,7 @@ class _Session:
             interrupted = interrupted or bool(came)
             self.seconds["writing"] = time.perf_counter() - start - self.seconds.get("pictures", 0.0)
             state, code = self._outcome(interrupted)
-            seconds = {**solution.record["stage_seconds"], **self.seconds}
+            seconds = self._stage_seconds(solution)
             write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command(), **self._more})
             publish(self.out)
         self._keep_partial = False
@@ -216,6 +216,11 @@ class _Session:
             return f"nor is there room to keep what was computed; {_short(self.out)} is as it was"
         return f"what was computed is kept in {_short(self.partial)}: make room, then go on with {_command()} --resume"
 
+    def _stage_seconds(self, solution: Solution) -> dict[str, float]:
+        """Of the program's stages and the solver's, in the order in which they ran."""
+        first = {"reading the scene": self.seconds["reading the scene"]}
+        return {**first, **solution.record["stage_seconds"], **self.seconds}
+
     def _outcome(self, interrupted: bool) -> tuple[str, int]:
         if interrupted:
             return "interrupted", INTERRUPTED
@@ -233,11 +238,11 @@ class _Session:
     def _report(self, solution: Solution, seconds: dict[str, float], state: str) -> None:
         display = self._display
         if solution.readings:
-            display.lines(sensor_lines(solution.readings), title="Illuminance, with 95 % intervals")
+            display.lines(sensor_lines(solution.readings), title="Illuminance with 95 % intervals; accuracy is that of the worst reading")
         for title, lines in self._closing:
             display.lines(lines, title=title)
         display.lines(time_lines(seconds), title="Where the time went")
-        display.lines(["", account_line(solution), f"results are in {_short(self.out)}"])
+        display.lines(["", account_line(solution), f"results are in {_short(self.out)}: {_listing(self.out)}"])
         if state == "interrupted":
             display.lines([f"interrupted; to go on: {_command()} --resume"])
         if state == "accuracy not reached":
@@ -254,6 +259,11 @@ class _Session:
 def _command() -> str:
     """The command line of this process, without ``--resume``."""
     return shlex.join(["hradiosity", *(word for word in sys.argv[1:] if word != "--resume")])
+
+
+def _listing(out: Path) -> str:
+    """What the folder holds."""
+    return ", ".join(sorted(f"{path.name}/" if path.is_dir() else path.name for path in out.iterdir()))
 
 
 def _short(path: Path) -> str:

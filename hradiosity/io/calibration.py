@@ -32,7 +32,7 @@ def cache_folder() -> Path:
 
 def load_calibration(device: str) -> Calibration | None:
     """Speeds of a device, by its description; None when it was never measured."""
-    kept = _load().get("devices", {}).get(device, {}).get("calibration")
+    kept = _load().get(device, {}).get("calibration")
     names = {field.name for field in fields(Calibration)}
     if not isinstance(kept, dict) or kept.keys() != names:
         return None
@@ -41,7 +41,7 @@ def load_calibration(device: str) -> Calibration | None:
 
 def load_builds(device: str) -> frozenset[str]:
     """Kernels that an earlier run had built for the device; their driver holds them."""
-    return frozenset(_load().get("devices", {}).get(device, {}).get("builds", ()))
+    return frozenset(_load().get(device, {}).get("builds", ()))
 
 
 def store(device: str, builds: Iterable[str], calibration: Calibration | None) -> bool:
@@ -53,14 +53,14 @@ def store(device: str, builds: Iterable[str], calibration: Calibration | None) -
         False when the cache can't be written, which harms nothing.
     """
     kept = _load()
-    entry = kept.setdefault("devices", {}).setdefault(device, {})
+    entry = kept.setdefault(device, {})
     known = list(entry.get("builds", ()))
     entry["builds"] = (known + [build for build in builds if build not in known])[-_KEPT_BUILDS:]
     if calibration is not None:
         entry["calibration"] = asdict(calibration)
     try:
         cache_folder().mkdir(parents=True, exist_ok=True)
-        write_file(_file(), json.dumps(kept, indent=1).encode())
+        write_file(_file(), json.dumps({"devices": kept}, indent=1).encode())
     except (OSError, OutputError):
         return False
     return True
@@ -91,10 +91,13 @@ def _file() -> Path:
     return cache_folder() / "devices.json"
 
 
-def _load() -> dict[str, Any]:
-    """What is kept; nothing when there is no file or it is damaged."""
+def _load() -> dict[str, dict[str, Any]]:
+    """What is kept of each device; nothing when there is no file or it is damaged."""
     try:
         found = json.loads(_file().read_text(encoding="utf-8"))
     except (OSError, ValueError):
         return {}
-    return found if isinstance(found, dict) else {}
+    devices = found.get("devices") if isinstance(found, dict) else None
+    if not isinstance(devices, dict):
+        return {}
+    return {name: entry for name, entry in devices.items() if isinstance(entry, dict)}
