@@ -30,7 +30,10 @@ def test_kept_by_device():
     assert calibration.load_builds("abacus") == {"a", "c"}
 
 
-@pytest.mark.parametrize("text", ["", "[]", '{"devices": 3}', '{"devices": {"abacus": 1}}', '{"devices": {"abacus": {"calibration": {"speed": 1}}}}'])
+@pytest.mark.parametrize(
+    "text",
+    ["", "[]", '{"devices": 3}', '{"devices": {"abacus": 1}}', '{"devices": {"abacus": {"calibration": {"speed": 1}}}}'],
+)
 def test_damaged_cache(cache, text):
     cache.mkdir()
     (cache / "devices.json").write_text(text)
