@@ -32,7 +32,10 @@ def test_kept_by_device():
 
 @pytest.mark.parametrize(
     "text",
-    ["", "[]", '{"devices": 3}', '{"devices": {"abacus": 1}}', '{"devices": {"abacus": {"calibration": {"speed": 1}}}}'],
+    [
+        *("", "[]", '{"devices": 3}', '{"devices": {"abacus": 1}}'),
+        '{"devices": {"abacus": {"calibration": {"speed": 1}}}}',
+    ],
 )
 def test_damaged_cache(cache, text):
     cache.mkdir()
