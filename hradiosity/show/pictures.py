@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
-from hradiosity.errors import OutputError, SceneError
+from hradiosity.errors import OutputError
 from hradiosity.model.scene import Note, View
 from hradiosity.show.drawing import Drawing, Picture, draw_view, prepare_drawing
 from hradiosity.show.exposure import white_luminance
@@ -21,7 +21,7 @@ from hradiosity.show.scale_bar import Scale, automatic_scale
 from hradiosity.solution import Solution
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import NONE
-from hradiosity.space.viewpoints import automatic_view, camera_faults
+from hradiosity.space.viewpoints import automatic_view
 from hradiosity.transport.device_scene import DeviceScene, upload_scene
 from hradiosity.transport.refine import RefinementOptions
 
@@ -102,8 +102,6 @@ def write_pictures(
 
     Raises
     ------
-    SceneError
-        When a camera stands inside a solid.
     OutputError
         When a file can't be written.
     """
@@ -145,9 +143,6 @@ def _views(solution: Solution, on_device: DeviceScene) -> tuple[Sequence[View], 
     """Views of the scene, or one that is chosen here, which is noted."""
     scene = solution.scene
     if scene.views:
-        faults = camera_faults(scene, on_device.bvh)
-        if faults:
-            raise SceneError(faults)
         return scene.views, ()
     view = automatic_view(scene, on_device.bvh, solution.elements.first_cell != NONE)
     place = ", ".join(f"{x:.2f}" for x in view.position)

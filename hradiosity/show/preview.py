@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
-from hradiosity.errors import SceneError
 from hradiosity.metrics.colorimetric import encode_srgb, xyz_to_linear_srgb, xyz_weights
 from hradiosity.model.scene import Scene, View
 from hradiosity.radiosity.solver import RadiositySolver
@@ -22,7 +21,7 @@ from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.cell_lookup import locate_cells
 from hradiosity.space.hierarchy import Elements
-from hradiosity.space.viewpoints import automatic_view, camera_faults
+from hradiosity.space.viewpoints import automatic_view
 
 _EVERY: Final = 4
 """Of so many pixels one takes part in the choice of the exposure."""
@@ -32,7 +31,8 @@ class Preview:
     """Draws what a running solver knows, again and again from one view.
 
     ``Preview(scene, device).write(solver, folder / "preview.png")`` after each state; before the first replicate it
-    shows the colours of the paints. The exposure is chosen with the first light and then stays.
+    shows the colours of the paints. The exposure, ``white_luminance`` [cd m⁻²], is chosen with the first light and then
+    stays.
 
     Parameters
     ----------
@@ -43,11 +43,6 @@ class Preview:
         The first of the scene, or an automatic one, if left out.
     bvh : Bvh, optional
         The scene's ray structure, where it is at hand already.
-
-    Raises
-    ------
-    SceneError
-        When the camera stands inside a solid.
     """
 
     def __init__(self, scene: Scene, device: Device, view: View | None = None, bvh: Bvh | None = None) -> None:
@@ -55,16 +50,13 @@ class Preview:
         if view is None:
             everything = np.ones((len(scene.patches), 2), np.bool_)
             view = scene.views[0] if scene.views else automatic_view(scene, bvh, everything)
-        faults = camera_faults(scene, bvh, [view])
-        if faults:
-            raise SceneError(faults)
         self.view = view
         self._scene = scene
         self._hits: ViewHits = trace_view(bvh, view, 1)
         self._emitted = emitted_xyz(scene)
         self._elements: Elements | None = None
         self._row = self._side = self._number = np.zeros(0, np.int64)
-        self._white: float | None = None
+        self.white_luminance: float | None = None
 
     def write(self, solver: RadiositySolver, path: Path) -> None:
         """Write a PNG of what the solver knows.
@@ -103,10 +95,10 @@ class Preview:
         radiance = (np.where(row[:, None] >= 0, of_row[np.maximum(row, 0)], np.float32(0.0)) + emitted) / np.pi
         if scene.sky is not None:
             radiance[side == ABOVE] = np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))
-        if self._white is None:
+        if self.white_luminance is None:
             dull = ((row >= 0) & (side == NOTHING))[self._number]
-            self._white = white_luminance([radiance.astype(np.float32)[self._number[dull][::_EVERY]]])
-        return xyz_to_linear_srgb(radiance.astype(np.float64), self._white)
+            self.white_luminance = white_luminance([radiance.astype(np.float32)[self._number[dull][::_EVERY]]])
+        return xyz_to_linear_srgb(radiance.astype(np.float64), self.white_luminance)
 
     def _locate(self, elements: Elements) -> None:
         """Number what is seen: row elements, emitting sides of them, the sky."""

@@ -1,18 +1,16 @@
-"""Whether a camera stands where it can see anything, and where to put one if the user named none."""
+"""Where to put a camera if the user named none."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.errors import Fault
 from hradiosity.model.geometry import BACK
 from hradiosity.model.scene import Scene, View
 from hradiosity.space.bvh import Bvh
-from hradiosity.space.visibility import Hits, trace_closest
+from hradiosity.space.visibility import trace_closest
 
 RAYS: Final = 256
 AUTOMATIC_FIELD: Final = 75.0
@@ -20,60 +18,6 @@ AUTOMATIC_FIELD: Final = 75.0
 _EYE_HEIGHT: Final = 1.7
 _SHARES: Final = ((0.06, 0.06), (0.94, 0.06), (0.06, 0.94), (0.94, 0.94), (0.5, 0.06), (0.5, 0.94), (0.06, 0.5),
                   (0.94, 0.5))  # fmt: skip
-
-
-def camera_faults(scene: Scene, bvh: Bvh, views: Sequence[View] | None = None) -> list[Fault]:
-    """Views whose camera stands inside a solid.
-
-    Parameters
-    ----------
-    scene : Scene
-    bvh : Bvh
-    views : sequence of View, optional
-        Those of the scene by default.
-
-    Returns
-    -------
-    list of Fault
-        Empty when all cameras are well placed; for ``SceneError`` or the checker's findings.
-    """
-    faults = []
-    for view in scene.views if views is None else views:
-        owner = enclosing_object(scene, bvh, view.position)
-        if owner is not None:
-            faults.append(
-                Fault(
-                    file=str(scene.path) if scene.path is not None else scene.name,
-                    entry=f"view.{view.name}.position",
-                    found=f"camera sees only the inside of solid {owner!r}",
-                    expected="a position in the open",
-                )
-            )
-    return faults
-
-
-def enclosing_object(scene: Scene, bvh: Bvh, position: NDArray[np.float64]) -> str | None:
-    """Name of the object whose solid the point (3,) lies inside of; None for a point in the open.
-
-    Inside a closed shell every ray meets a back side of the shell first, or something else that is inside too; so
-    most rays in all directions decide.
-    """
-    hits = _look_around(bvh, position)
-    patch = hits.patch[hits.patch >= 0]
-    inside = (hits.side[hits.patch >= 0] == BACK) & (scene.patches.solid[patch] >= 0)
-    if 2 * int(inside.sum()) <= RAYS:
-        return None
-    return scene.objects[int(np.bincount(scene.patches.object[patch[inside]]).argmax())]
-
-
-def _look_around(bvh: Bvh, position: NDArray[np.float64]) -> Hits:
-    """Rays in directions spread evenly over the sphere (a Fibonacci spiral)."""
-    number = np.arange(RAYS) + 0.5
-    height = 1.0 - 2.0 * number / RAYS
-    angle = np.pi * (3.0 - np.sqrt(5.0)) * number
-    radius = np.sqrt(1.0 - height**2)
-    directions = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
-    return trace_closest(bvh, np.broadcast_to(position, directions.shape), directions)
 
 
 def automatic_view(scene: Scene, bvh: Bvh, lit: NDArray[np.bool_]) -> View:
@@ -117,11 +61,23 @@ def _looking_at(position: NDArray[np.float64], target: NDArray[np.float64]) -> V
     )
 
 
+def _is_enclosed(scene: Scene, bvh: Bvh, position: NDArray[np.float64]) -> bool:
+    """Whether most rays in all directions, spread evenly (a Fibonacci spiral), meet the inside of a solid first."""
+    number = np.arange(RAYS) + 0.5
+    height = 1.0 - 2.0 * number / RAYS
+    angle = np.pi * (3.0 - np.sqrt(5.0)) * number
+    radius = np.sqrt(1.0 - height**2)
+    directions = np.stack([radius * np.cos(angle), radius * np.sin(angle), height], axis=1)
+    hits = trace_closest(bvh, np.broadcast_to(position, directions.shape), directions)
+    inside = (hits.patch >= 0) & (hits.side == BACK) & (scene.patches.solid[hits.patch] >= 0)
+    return 2 * int(inside.sum()) > RAYS
+
+
 def _seen(
     scene: Scene, bvh: Bvh, lit: NDArray[np.bool_], place: NDArray[np.float64], centre: NDArray[np.float64], size: float
 ) -> float:
     """Mean over a coarse picture of how far lit surfaces are, as a share of the scene and at most a half."""
-    if float(np.linalg.norm(centre - place)) < 1e-6 * size or enclosing_object(scene, bvh, place) is not None:
+    if float(np.linalg.norm(centre - place)) < 1e-6 * size or _is_enclosed(scene, bvh, place):
         return -1.0
     view = _looking_at(place, centre)
     right = np.cross(view.direction, view.up)
