@@ -88,7 +88,7 @@ def make_plan(
     columns = spectral_columns(scene)
     occlusion = _occlusion(scene, options)
     interreflection = _interreflection(scene, options)
-    area = float(scene.patches.area @ lit.lit.sum(axis=1)) if len(scene.patches) else 0.0
+    area = float(np.einsum("p,ps->", scene.patches.area, lit.lit)) if len(scene.patches) else 0.0
     size = options.element_size or float(
         np.clip(np.sqrt(area / options.elements), LEAST_SHARE * lit.free_path, LARGEST_SHARE * lit.free_path)
     )
