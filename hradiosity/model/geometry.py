@@ -55,15 +55,17 @@ class Patches:
     @property
     def area(self) -> NDArray[np.float64]:
         """(n,) area [m²]."""
-        cross = np.linalg.norm(np.cross(self.edge_u, self.edge_v), axis=1)
-        return np.where(self.is_triangle, 0.5 * cross, cross)
+        whole: NDArray[np.float64] = np.linalg.norm(np.cross(self.edge_u, self.edge_v), axis=1)
+        area: NDArray[np.float64] = np.where(self.is_triangle, 0.5 * whole, whole)
+        return area
 
     @property
     def normal(self) -> NDArray[np.float64]:
         """(n, 3) unit normal of the front side; 0 for a degenerate patch."""
         cross = np.cross(self.edge_u, self.edge_v)
         length = np.linalg.norm(cross, axis=1, keepdims=True)
-        return np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
+        normal: NDArray[np.float64] = np.divide(cross, length, out=np.zeros_like(cross), where=length > 0)
+        return normal
 
     @property
     def centroid(self) -> NDArray[np.float64]:
