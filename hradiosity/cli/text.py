@@ -48,8 +48,10 @@ def time_lines(seconds: Mapping[str, float]) -> list[str]:
 def account_line(solution: Solution) -> str:
     """Size and effort of a run in one line."""
     record = solution.record
+    alone = "1 replicate (intervals need two)"
+    replicates = alone if solution.replicates == 1 else f"{solution.replicates} replicates"
     return (
-        f"{solution.replicates} replicates, {count(record['elements'])} elements, {count(record['rays'])} rays, "
+        f"{replicates}, {count(record['elements'])} elements, {count(record['rays'])} rays, "
         f"{record['solve_cpu_s']:.1f} s of solve CPU"
     )
 
