@@ -1,0 +1,63 @@
+"""What README tells a newcomer is so."""
+
+import re
+
+import pytest
+from fresh_environment import OWN_SUITE
+
+from hradiosity.cli.app import make_app
+from hradiosity.io.results_tables import READING_COLUMNS
+from hradiosity.io.scene_toml import load_scene
+
+README = (OWN_SUITE / "README.md").read_text(encoding="utf-8")
+
+
+def blocks(language):
+    return re.findall(rf"```{language}\n(.*?)```", README, flags=re.DOTALL)
+
+
+def test_the_scene_can_be_loaded(tmp_path):
+    (text,) = blocks("toml")
+    (tmp_path / "spectra").mkdir()
+    (tmp_path / "spectra" / "wall.csv").write_text("380,0.5\n780,0.7\n")
+    (tmp_path / "scene.toml").write_text(text)
+    scene = load_scene(tmp_path)
+    assert [len(sensor.position) for sensor in scene.sensors] == [35]
+    assert len(scene.views) == 1
+    lamp = scene.emitters.patch[0]
+    assert scene.patches.normal[lamp][2] == pytest.approx(-1.0)
+
+
+def test_the_program_is_python():
+    (text,) = blocks("python")
+    compile(text, "README.md", "exec")
+
+
+def test_both_commands_are_single_lines_and_ci_finds_the_second():
+    commands = [line for line in README.splitlines() if line.startswith("python3.11 -m venv")]
+    assert len(commands) == 2
+    assert "hradiosity render scenes/office" in commands[0]
+    assert commands[1].endswith("pytest")
+    marked = README.split("<!-- set up and test -->")[1]
+    assert re.search(r"^python.*", marked, flags=re.MULTILINE)[0] == commands[1]
+
+
+def test_verbs_exist():
+    verbs = set(re.findall(r"`(?:\S*/)?hradiosity (\w+)", README))
+    assert verbs >= {"render", "plan", "check", "devices", "new", "schema"}
+    for verb in verbs:
+        assert verb in make_app()
+
+
+def test_files_exist():
+    for name in re.findall(r"\]\(([^)]+)\)", README):
+        assert (OWN_SUITE / name).is_file(), name
+    for name in re.findall(r"\b(?:scenes|examples)/\w+(?:\.py)?", README):
+        if name != "scenes/open_plan":
+            assert list(OWN_SUITE.glob(f"{name}*")), name
+
+
+def test_columns_are_those_that_are_written():
+    (row,) = [line for line in README.splitlines() if line.startswith("| `readings.csv`")]
+    for column in READING_COLUMNS[:10]:
+        assert column in row
