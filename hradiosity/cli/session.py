@@ -238,7 +238,8 @@ class _Session:
     def _report(self, solution: Solution, seconds: dict[str, float], state: str) -> None:
         display = self._display
         if solution.readings:
-            display.lines(sensor_lines(solution.readings), title="Illuminance with 95 % intervals; accuracy is that of the worst reading")
+            title = "Illuminance with 95 % intervals; accuracy is that of the worst reading"
+            display.lines(sensor_lines(solution.readings), title=title)
         for title, lines in self._closing:
             display.lines(lines, title=title)
         display.lines(time_lines(seconds), title="Where the time went")
