@@ -11,20 +11,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.metrics.colorimetric import encode_srgb, xyz_to_linear_srgb, xyz_weights
+from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import View
 from hradiosity.show.camera import ABOVE, PicturePoints, ViewHits, picture_points, trace_view
 from hradiosity.show.exposure import Developed, develop, pixel_means, to_bytes
 from hradiosity.show.light import PictureScene, RowLight, paint_colours, picture_scene, row_light, shadow_channels
 from hradiosity.show.scale_bar import Scale, false_colours, with_scale_bar
 from hradiosity.show.seams import level_seams
-from hradiosity.show.shading import finest_in_view, flat_light, line_mask, locate, smooth_light
+from hradiosity.show.shading import flat_light, line_mask, locate, refinement_goal, smooth_light
 from hradiosity.solution import Solution
 from hradiosity.transport.device_scene import DeviceScene
 from hradiosity.transport.refine import RefinementOptions, ShadowLight, refine_shadows
 
 PER_PIXEL: Final = 3
 """Samples across and down a pixel."""
-LEAF_PIXELS: Final = 2.0
+LEAF_PIXELS: Final = 3.0
 """Leaves are not made smaller than this on the screen."""
 _CELL_LINE, _LEAF_LINE = 2, 1
 """Width of the lines in samples."""
@@ -131,17 +132,9 @@ def prepare_drawing(
     """Rays of all views, and shadows refined where any of them looks."""
     scene, picture = solution.scene, picture_scene(solution)
     hits = [trace_view(on_device.bvh, view, PER_PIXEL) for view in views]
-    size = finest_in_view(picture, hits, LEAF_PIXELS * PER_PIXEL)
-    shadow = refine_shadows(
-        on_device,
-        scene,
-        picture.frames,
-        picture.rims,
-        picture.grid,
-        size,
-        reference_illuminance(solution),
-        refinement,
-    )
+    lux = np.einsum("rb,b->r", solution.surfaces.irradiance, luminous_weights(scene.bands))
+    goal = refinement_goal(picture, hits, LEAF_PIXELS * PER_PIXEL, lux)
+    shadow = refine_shadows(on_device, scene, goal, refinement)
     rows = level_seams(picture, on_device.bvh, row_light(picture, solution, shadow))
     at_vertex = shadow_channels(picture, shadow)
     sky = np.zeros(3) if scene.sky is None else np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))
@@ -149,15 +142,6 @@ def prepare_drawing(
         Drawing(picture, view, view_hits, picture_points(view_hits, PER_PIXEL), rows, shadow, at_vertex, sky)
         for view, view_hits in zip(views, hits, strict=True)
     ]
-
-
-def reference_illuminance(solution: Solution) -> float:
-    """Mean illuminance of the exposed row elements [lx], that tolerances of refinement refer to; 1 without light."""
-    weights = xyz_weights(solution.scene.bands)[:, 1]
-    area = solution.elements.area * solution.surfaces.exposed
-    lux = np.einsum("rb,b->r", solution.surfaces.irradiance, weights)
-    mean = float((area * lux).sum() / max(float(area.sum()), 1e-300))
-    return mean if mean > 0.0 else 1.0
 
 
 def draw_view(drawing: Drawing, mode: str, *, white: float, scale: Scale) -> Picture:

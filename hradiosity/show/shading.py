@@ -12,10 +12,14 @@ from hradiosity.show.light import CHANNELS, PictureScene, RowLight, leaf_means
 from hradiosity.space.cell_lookup import locate_cells
 from hradiosity.space.leaf_fan import fan_weights
 from hradiosity.space.leaves import CENTRE
-from hradiosity.transport.refine import ShadowLight
+from hradiosity.transport.refine import RefinementGoal, ShadowLight
 
 BATCH = 1 << 18
 """Points shaded at a time."""
+_EVERY = 9
+"""Of so many samples one takes part in the median illuminance of a view."""
+_LEAST_REFERENCE = 1e-6
+"""Least reference illuminance over that of the brightest element."""
 
 
 @dataclass(frozen=True)
@@ -36,16 +40,33 @@ class Located:
     leaf_t: NDArray[np.float32]
 
 
-def finest_in_view(picture: PictureScene, hits: list[ViewHits], samples: float) -> NDArray[np.float64]:
-    """(n_cells,) size that is seen as so many samples where the cell is nearest [m]; inf for cells out of view."""
+def refinement_goal(
+    picture: PictureScene, hits: list[ViewHits], samples: float, of_row: NDArray[np.float64]
+) -> RefinementGoal:
+    """Leaves for all that is in view.
+
+    Parameters
+    ----------
+    picture : PictureScene
+    hits : list of ViewHits
+    samples : float
+        Leaves need not be smaller than so many samples where their cell is nearest.
+    of_row : (n_rows,) float64
+        Illuminance [lx]. A cell's reference is the median over the picture that it is seen in, the darkest one of
+        several.
+    """
     size = np.full(len(picture.frames.side), np.inf)
+    reference = np.full(len(size), np.inf)
     for view in hits:
-        for start in range(0, len(view.side), BATCH):
-            part = slice(start, start + BATCH)
-            cell, _, _ = _cells(picture, view, part)
-            lit = cell >= 0
-            np.minimum.at(size, cell[lit], samples * view.sample_angle * view.depth[part][lit])
-    return size
+        parts = [slice(start, start + BATCH) for start in range(0, len(view.side), BATCH)]
+        cell = np.concatenate([_cells(picture, view, part)[0] for part in parts])
+        lit = cell >= 0
+        np.minimum.at(size, cell[lit], samples * view.sample_angle * view.depth[lit])
+        in_view = np.unique(cell[lit])
+        lux = of_row[picture.elements.cell_row[cell[lit][::_EVERY]]]
+        reference[in_view] = np.minimum(reference[in_view], np.median(lux) if len(lux) else np.inf)
+    floor = max(float(of_row.max(initial=0.0)) * _LEAST_REFERENCE, 1e-300)
+    return RefinementGoal(picture.frames, picture.rims, picture.grid, size, np.clip(reference, floor, None))
 
 
 def _cells(

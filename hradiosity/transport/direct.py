@@ -67,8 +67,9 @@ def direct_at_points(
     n_samples : int
         Shadow rays to each area emitter; their weighted open share multiplies the closed-form factor.
     n_pilot : int, optional
-        Stop after this many rays to an emitter when they all agree: cheaper for pictures, but no longer unbiased
-        where an emitter is nearly open or nearly hidden.
+        For pictures: stop after this many rays to an emitter when they all agree, which is cheaper, but no longer
+        unbiased where an emitter is nearly open or nearly hidden; and all points send their rays to the same places,
+        so that errors change smoothly from point to point.
 
     Returns
     -------

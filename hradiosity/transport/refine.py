@@ -20,11 +20,11 @@ from hradiosity.transport.direct import direct_at_points
 
 INSET = 2.0**-16
 """Distance that points keep from the outline of their patch, relative to the scene's half extent."""
-RAY_BUDGET = 768
+RAY_BUDGET = 512
 """Shadow rays from a vertex to all emitters together, if the options leave it open."""
-LEAST_RAYS, MOST_RAYS = 8, 64
-PILOT_RAYS = 16
-"""Rays to an emitter that decide alone when they agree."""
+LEAST_RAYS, MOST_RAYS = 16, 256
+LEAST_PILOT, PILOT_SHARE = 16, 4
+"""Rays to an emitter that decide alone when they agree: one in four, but not fewer than 16."""
 BATCH = 1 << 17
 """Vertices evaluated at a time."""
 
@@ -60,6 +60,25 @@ class RefinementOptions:
 
 
 @dataclass(frozen=True)
+class RefinementGoal:
+    """Which cells get leaves, and how fine.
+
+    frames : CellFrames
+    rims : SideRims
+    grid : (n_patches, 2) int64, cells along edge_u and edge_v of each patch
+    size : (n_cells,) float64, edge [m] below which a leaf is not split; infinite for cells that nobody looks at,
+        which get no leaves
+    reference : (n_cells,) float64, illuminance [lx] that tolerances refer to, above 0
+    """
+
+    frames: CellFrames
+    rims: SideRims
+    grid: NDArray[np.int64]
+    size: NDArray[np.float64]
+    reference: NDArray[np.float64]
+
+
+@dataclass(frozen=True)
 class ShadowLight:
     """Direct light at the vertices of leaves, without wavelengths.
 
@@ -79,14 +98,7 @@ class ShadowLight:
 
 
 def refine_shadows(
-    on_device: DeviceScene,
-    scene: Scene,
-    frames: CellFrames,
-    rims: SideRims,
-    grid: NDArray[np.int64],
-    size: NDArray[np.float64],
-    reference: float,
-    options: RefinementOptions,
+    on_device: DeviceScene, scene: Scene, goal: RefinementGoal, options: RefinementOptions
 ) -> ShadowLight:
     """Cut cells at shadow boundaries, level by level.
 
@@ -94,25 +106,18 @@ def refine_shadows(
     ----------
     on_device : DeviceScene
     scene : Scene
-    frames : CellFrames
-    rims : SideRims
-    grid : (n_patches, 2) int64
-        Cells along edge_u and edge_v of each patch.
-    size : (n_cells,) float64
-        Edge [m] below which a leaf is not split; infinite for cells that nobody looks at, which get no leaves.
-    reference : float
-        Illuminance [lx] that tolerances refer to, such as the mean of the scene.
+    goal : RefinementGoal
     options : RefinementOptions
     """
-    vertices = _Vertices(on_device, scene, rims, grid, frames, options)
-    leaves = plant_leaves(frames, np.isfinite(size), options.max_level)
+    vertices = _Vertices(on_device, scene, goal, options)
+    leaves = plant_leaves(goal.frames, np.isfinite(goal.size), options.max_level)
     fresh = np.arange(leaves.n_nodes)
     for level in range(options.max_level + 1):
         vertices.evaluate(leaves, fresh)
         if level == options.max_level:
             break
-        large = _edge_length(scene, leaves, fresh, grid) > size[leaves.cell[fresh]]
-        wanted = large if level < options.base_level else large & vertices.uneven(leaves, fresh, reference)
+        large = _edge_length(scene, leaves, fresh, goal.grid) > goal.size[leaves.cell[fresh]]
+        wanted = large if level < options.base_level else large & vertices.uneven(leaves, fresh)
         before = leaves.n_nodes
         leaves = _split_balanced(leaves, fresh[wanted], vertices)
         fresh = np.arange(before, leaves.n_nodes)
@@ -149,15 +154,9 @@ class _Vertices:
     """Values at points that leaves share; each is computed once."""
 
     def __init__(
-        self,
-        on_device: DeviceScene,
-        scene: Scene,
-        rims: SideRims,
-        grid: NDArray[np.int64],
-        frames: CellFrames,
-        options: RefinementOptions,
+        self, on_device: DeviceScene, scene: Scene, goal: RefinementGoal, options: RefinementOptions
     ) -> None:
-        self._on_device, self._scene, self._rims, self._grid, self._options = on_device, scene, rims, grid, options
+        self._on_device, self._scene, self._goal, self._options = on_device, scene, goal, options
         lamps = scene.luminaires
         weights = luminous_weights(scene.bands)
         self._lumens = np.array(
@@ -166,6 +165,7 @@ class _Vertices:
         self._n_samples = options.light_samples or int(
             np.clip(RAY_BUDGET // max(len(scene.emitters), 1), LEAST_RAYS, MOST_RAYS)
         )
+        self._n_pilot = max(LEAST_PILOT, self._n_samples // PILOT_SHARE)
         self._key = np.zeros(0, np.int64)
         self._side = np.zeros(0, np.int64)
         self._light = np.zeros((0, len(lamps)), np.float32)
@@ -175,9 +175,9 @@ class _Vertices:
     def _keys(self, leaves: Leaves, nodes: NDArray[np.int64], places: NDArray[np.int64]) -> NDArray[np.int64]:
         """(n, k) keys of places (n, k, 2) of nodes."""
         side = np.repeat(leaves.side[nodes], places.shape[1])
-        steps = leaves.step * self._grid[side // 2]
+        steps = leaves.step * self._goal.grid[side // 2]
         is_triangle = self._scene.patches.is_triangle
-        return vertex_keys(self._rims, is_triangle, side, places.reshape(-1, 2), steps).reshape(places.shape[:2])
+        return vertex_keys(self._goal.rims, is_triangle, side, places.reshape(-1, 2), steps).reshape(places.shape[:2])
 
     def corner_keys(self, leaves: Leaves, nodes: NDArray[np.int64]) -> NDArray[np.int64]:
         """Sorted keys of all corners of the nodes."""
@@ -201,7 +201,7 @@ class _Vertices:
         new = ~np.isin(unique, self._key, assume_unique=True)
         unique, first = unique[new], first[new]
         side = np.repeat(leaves.side[nodes], CENTRE + 1)[first]
-        steps = leaves.step * self._grid[side // 2]
+        steps = leaves.step * self._goal.grid[side // 2]
         light, unshaded, covered = self._sample(side, places.reshape(-1, 2)[first], steps)
         order = np.argsort(np.concatenate([self._key, unique]), kind="stable")
         self._key = np.concatenate([self._key, unique])[order]
@@ -231,7 +231,7 @@ class _Vertices:
         self, position: NDArray[np.float64], normal: NDArray[np.float64]
     ) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
         on_device, seed = self._on_device, self._options.seed
-        per_emitter = direct_at_points(on_device, position, normal, self._n_samples, seed, PILOT_RAYS)
+        per_emitter = direct_at_points(on_device, position, normal, self._n_samples, seed, self._n_pilot)
         luminaire = self._scene.emitters.luminaire
         by_lamp = np.zeros((len(luminaire), len(self._lumens)), np.float32)
         by_lamp[np.arange(len(luminaire)), luminaire] = 1.0
@@ -253,8 +253,9 @@ class _Vertices:
         inside: NDArray[np.bool_] = (hits.patch >= 0) & (hits.side == BACK) & (solid[hits.patch] >= 0)
         return inside
 
-    def uneven(self, leaves: Leaves, nodes: NDArray[np.int64], reference: float) -> NDArray[np.bool_]:
+    def uneven(self, leaves: Leaves, nodes: NDArray[np.int64]) -> NDArray[np.bool_]:
         """Whether the light on each node is not what its corners say."""
+        reference = self._goal.reference[leaves.cell[nodes]]
         index = np.searchsorted(self._key, self._keys(leaves, nodes, leaves.places(nodes)[:, : CENTRE + 1]))
         lux = np.einsum("vl,l->v", self._light.astype(np.float64), self._lumens)
         visible = np.divide(lux, self._open, out=np.zeros_like(lux), where=self._open > 0.0)

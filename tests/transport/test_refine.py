@@ -11,7 +11,7 @@ from hradiosity.space.hierarchy import build_elements
 from hradiosity.space.leaf_fan import fan_weights
 from hradiosity.space.leaf_vertices import find_rims
 from hradiosity.transport.device_scene import upload_scene
-from hradiosity.transport.refine import RefinementOptions, refine_shadows
+from hradiosity.transport.refine import RefinementGoal, RefinementOptions, refine_shadows
 
 LAMP_HEIGHT, CARD_HEIGHT = 2.0, 1.0
 CARD = (-0.23, 0.31, -0.17, 0.28)
@@ -42,10 +42,9 @@ def refined(device, scene, size=0.25, finest=1e-6, reference=0.2, **options):
     wanted = np.where(frames.side == 0, finest, np.inf)
     rims = find_rims(scene.patches, np.zeros((len(scene.patches), 2), np.int64))
     on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=True)
-    shadow = refine_shadows(
-        on_device, scene, frames, rims, elements.divisions.astype(np.int64), wanted,
-        reference * luminous_weights(scene.bands)[0], RefinementOptions(**options),
-    )  # fmt: skip
+    lux = np.full(len(wanted), reference * luminous_weights(scene.bands)[0])
+    goal = RefinementGoal(frames, rims, elements.divisions.astype(np.int64), wanted, lux)
+    shadow = refine_shadows(on_device, scene, goal, RefinementOptions(**options))
     return elements, shadow
 
 
