@@ -11,7 +11,7 @@
     __global const uint *emitter_two_sided  /* (n_emitters,) 1: shines from its back too   */
 #define HR_EMITTER emitter_patch, emitter_position, emitter_extent, emitter_two_sided
 
-/* Distance from the emitter, in its diameters, beyond which few samples of the kernel stand for the closed form. */
+/* Distance from the emitter, in its diameters, beyond which samples of the kernel hardly differ. */
 #define HR_FAR 3.0f
 
 /* Area of an area emitter that is far from x, else 0. */
@@ -63,6 +63,38 @@ HR_FORCE_INLINE float hr_emitter_weight(const float3 x, const float3 n, const fl
     if (patch == HR_NONE)
         return hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
     return hr_point_kernel(n, y - x, hr_emitter_normal(patch, emitter_two_sided[emitter], x, HR_PATCH));
+}
+
+/* What the point y of a near area emitter counts when points drawn on the emitter and directions drawn by the cosine
+   law are combined by the balance heuristic (Veach & Guibas 1995): p_cos / (p_area + p_cos) = k A / (1 + k A) with k
+   the point kernel. Never above 1, however near the emitter is. */
+HR_FORCE_INLINE float hr_balanced_weight(const float3 x, const float3 n, const float3 y, const uint emitter,
+                                         HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
+{
+    const float sent = hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH) * emitter_extent[2 * emitter];
+    return sent / (1.0f + sent);
+}
+
+/* Distance along the unit direction d at which the ray from x meets the shining side of an area emitter; 0 if it does
+   not. */
+HR_FORCE_INLINE float hr_aimed_at(const float3 x, const float3 d, const uint emitter, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
+{
+    const uint patch = emitter_patch[emitter];
+    const float3 m = hr_emitter_normal(patch, emitter_two_sided[emitter], x, HR_PATCH);
+    const float facing = hr_dot(m, d);
+    const float3 r0 = hr_load3(patch_origin, patch) - x;
+    if (facing >= 0.0f || hr_dot(m, r0) >= 0.0f)
+        return 0.0f;
+    const float t = hr_dot(m, r0) / facing;
+    const float3 p = t * d - r0;
+    const float3 eu = hr_load3(patch_edge_u, patch);
+    const float3 ev = hr_load3(patch_edge_v, patch);
+    const float3 c = hr_cross(eu, ev);
+    const float scale = 1.0f / hr_dot(c, c);
+    const float u = hr_dot(hr_cross(p, ev), c) * scale;
+    const float v = hr_dot(hr_cross(eu, p), c) * scale;
+    const float last = patch_kind[patch] ? 1.0f - u : 1.0f;
+    return u >= 0.0f && v >= 0.0f && u <= 1.0f && v <= last ? t : 0.0f;
 }
 
 #endif

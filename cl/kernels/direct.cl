@@ -12,9 +12,31 @@ HR_FORCE_INLINE float hr_open(const float3 x, const float3 n, const uint own, co
     return hr_any_hit(HR_BVH, origin, y - origin, 1.0f, own, emitter_patch) ? 0.0f : 1.0f;
 }
 
-/* Mean factor of each row's exposed points to each emitter, times the kernel-weighted share of open rays. The points
-   are the origins of the row's own exchange rays, so that both see the same part of the element. From afar the mean
-   factor is estimated by the same kernel samples, which costs a third of the closed form. */
+/* Part of a near area emitter's factor that is hidden from x, estimated by one point drawn on the emitter and one
+   direction drawn by the cosine law; without bias, and 0 where nothing stands in the way. `clear` gets the same with
+   everything taken for hidden: as much as the two samples could find. */
+HR_FORCE_INLINE float hr_hidden(const float3 x, const float3 n, const uint own, const uint emitter, const float4 numbers,
+                                float *clear, const float scale, HR_EMITTER_PARAMS, HR_PATCH_PARAMS, HR_BVH_PARAMS)
+{
+    const float3 y = hr_emitter_point(emitter, numbers.x, numbers.y, HR_EMITTER, HR_PATCH);
+    const float drawn = hr_balanced_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH);
+    float hidden = 0.0f;
+    if (drawn > 0.0f)
+        hidden += drawn * (1.0f - hr_open(x, n, own, y, emitter_patch[emitter], scale, HR_BVH));
+    const float3 d = hr_cosine_direction(n, numbers.z, numbers.w);
+    const float t = hr_aimed_at(x, d, emitter, HR_EMITTER, HR_PATCH);
+    float met = 0.0f;
+    if (t > 0.0f) {
+        met = hr_balanced_weight(x, n, x + t * d, emitter, HR_EMITTER, HR_PATCH);
+        hidden += met * (1.0f - hr_open(x, n, own, x + t * d, emitter_patch[emitter], scale, HR_BVH));
+    }
+    *clear = drawn + met;
+    return hidden;
+}
+
+/* Irradiance of each row's exposed part for unit emission of each emitter. The points are the origins of the row's own
+   exchange rays, so that both see the same part of the element. From afar each point takes one sample of the kernel;
+   near an emitter it takes the closed form less what is found hidden. */
 __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const uint *hit_row, /* (n_rows, n_samples), from trace_rows          */
                           __global float *direct,       /* (n_rows, n_emitters) [1] or [m^-2]            */
@@ -26,35 +48,49 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         return;
     const uint row = i / n_emitters;
     const uint emitter = i % n_emitters;
+    const uint patch = emitter_patch[emitter];
     const uint row_seed = hr_combine(seed, row);
     const uint lamp_seed = hr_combine(row_seed, emitter);
-    float factor = 0.0f, weight = 0.0f, open = 0.0f;
-    uint exposed = 0;
+    float sum = 0.0f;
+    uint exposed = 0, any_open = 0;
     for (uint k = 0; k < n_samples && exposed < n_points; ++k) {
         if (hit_row[row * n_samples + k] == HR_COVERED)
             continue;
         ++exposed;
         const hr_place place = hr_place_on_row(row, hr_sample(k, 0, row_seed), hr_sample(k, 1, row_seed),
                                                HR_ELEMENT, HR_PATCH);
-        if (place.patch == emitter_patch[emitter])
+        if (place.patch == patch)
             continue;
-        const float3 y = hr_emitter_point(emitter, hr_sample(k, 2, lamp_seed), hr_sample(k, 3, lamp_seed),
-                                          HR_EMITTER, HR_PATCH);
-        const float w = hr_emitter_weight(place.position, place.normal, y, emitter, HR_EMITTER, HR_PATCH);
-        const float far_area = hr_far_area(place.position, emitter, HR_EMITTER);
-        factor += far_area > 0.0f
-                      ? far_area * w
-                      : hr_emitter_factor(place.position, place.normal, emitter, HR_EMITTER, HR_PATCH);
-        weight += w;
-        if (w > 0.0f)
-            open += occlusion ? w * hr_open(place.position, place.normal, place.patch, y, emitter_patch[emitter],
-                                            scale, HR_BVH)
-                              : w;
+        const float3 x = place.position, n = place.normal;
+        const float2 at = (float2)(hr_sample(k, 2, lamp_seed), hr_sample(k, 3, lamp_seed));
+        const float far_area = patch == HR_NONE ? 1.0f : hr_far_area(x, emitter, HR_EMITTER);
+        if (far_area > 0.0f || !occlusion) {
+            const float3 y = hr_emitter_point(emitter, at.x, at.y, HR_EMITTER, HR_PATCH);
+            const float light = far_area > 0.0f
+                                    ? far_area * hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH)
+                                    : hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
+            if (light > 0.0f && (!occlusion || hr_open(x, n, place.patch, y, patch, scale, HR_BVH) > 0.0f)) {
+                sum += light;
+                any_open = 1;
+            }
+            continue;
+        }
+        const float factor = hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
+        if (factor <= 0.0f)
+            continue;
+        float clear;
+        const float hidden = hr_hidden(x, n, place.patch, emitter,
+                                       (float4)(at.x, at.y, hr_sample(k, 4, lamp_seed), hr_sample(k, 5, lamp_seed)),
+                                       &clear, scale, HR_EMITTER, HR_PATCH, HR_BVH);
+        any_open |= hidden < clear;
+        sum += factor - hidden;
     }
-    direct[i] = weight > 0.0f ? (factor / (float)exposed) * (open / weight) : 0.0f;
+    direct[i] = any_open ? sum / (float)exposed : 0.0f;
 }
 
-/* The same at single points. After `n_pilot` rays that all agree, the emitter counts as wholly open or hidden. */
+/* The same at single points, as the closed form times the open share of the weighted rays.
+   With n_pilot < n_samples, for pictures: after so many rays that all agree the emitter counts as wholly open or
+   hidden, and all points send their rays to the same places, so that soft edges have no grain. */
 __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const float *position, /* (n_points, 3) [m]                       */
                             __global const float *normal,   /* (n_points, 3) unit                      */
@@ -74,14 +110,25 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
         direct[i] = factor;
         return;
     }
-    const uint lamp_seed = hr_combine(hr_combine(seed, point), emitter);
+    const uint lamp_seed = hr_combine(n_pilot < n_samples ? seed : hr_combine(seed, point), emitter);
+    const int near = emitter_patch[emitter] != HR_NONE && hr_far_area(x, emitter, HR_EMITTER) <= 0.0f;
     const uint rays = emitter_patch[emitter] == HR_NONE ? 1 : n_samples;
     float weight = 0.0f, open = 0.0f;
     for (uint k = 0; k < rays; ++k) {
         if (k == n_pilot && (open == 0.0f || open == weight))
             break;
-        const float3 y = hr_emitter_point(emitter, hr_sample(k, 0, lamp_seed), hr_sample(k, 1, lamp_seed),
-                                          HR_EMITTER, HR_PATCH);
+        const float2 at = (float2)(hr_sample(k, 0, lamp_seed), hr_sample(k, 1, lamp_seed));
+        if (near) {
+            float clear;
+            const float hidden =
+                hr_hidden(x, n, HR_NONE, emitter,
+                          (float4)(at.x, at.y, hr_sample(k, 2, lamp_seed), hr_sample(k, 3, lamp_seed)), &clear, scale,
+                          HR_EMITTER, HR_PATCH, HR_BVH);
+            weight += clear;
+            open += clear - hidden;
+            continue;
+        }
+        const float3 y = hr_emitter_point(emitter, at.x, at.y, HR_EMITTER, HR_PATCH);
         const float w = hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH);
         weight += w;
         if (w > 0.0f)

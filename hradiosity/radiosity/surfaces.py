@@ -144,6 +144,7 @@ class SurfaceSolver:
             reflected=self.device.upload(reflectance * irradiance),
             sky=self._sky_on_device,
             emitter_choice=self.device.upload(emitter_choice(per_emitter, self.emission)),
+            row_direct=self.device.upload(per_emitter),
             weight=self._weight_on_device,
         )
 

@@ -64,7 +64,7 @@ def plan_effort(
     brightness = np.einsum("ec,c->e", light.emission, weight)
     direct = direct_at_points(scene, position, normal, PILOT_LIGHT_SAMPLES, seed)
     arriving = direct.astype(np.float64) * brightness
-    paths = trace_paths(scene, elements, light.emitter_choice, position, normal, PILOT_PATHS, seed, PILOT_NEAR_FACTOR)
+    paths = trace_paths(scene, elements, light, position, normal, PILOT_PATHS, seed, PILOT_NEAR_FACTOR)
     _, sums = reflected_light(scene, paths, light)
     mean = sums[:, 0].astype(np.float64) / PILOT_PATHS
     variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)

@@ -48,6 +48,7 @@ class SurfaceLight:
     reflected : (n_rows, 8 n_groups) float32 on the device, ρE of each row element
     sky : (8 n_groups,) float32 on the device, π · radiance
     emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
+    row_direct : (n_rows, n_emitters) float32 on the device, direct light of each element for unit emission
     weight : (8 n_groups,) float32 on the device, brightness of a unit of each column
     """
 
@@ -58,6 +59,7 @@ class SurfaceLight:
     reflected: DeviceArray
     sky: DeviceArray
     emitter_choice: DeviceArray
+    row_direct: DeviceArray
     weight: DeviceArray
 
 
@@ -67,7 +69,7 @@ def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -
     Parameters
     ----------
     direct : (n_rows, n_emitters) float32
-        Irradiance of each element for unit emission.
+        Irradiance of each element for unit emission; estimates below 0 count as 0.
     emission : (n_emitters, n_columns) float32
 
     Returns
@@ -79,7 +81,7 @@ def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -
     n = direct.shape[1]
     if n == 0:
         return np.zeros((len(direct), 0), np.float32)
-    light = direct * emission.mean(axis=1, dtype=np.float64)[None, :]
+    light = np.maximum(direct, 0.0) * emission.mean(axis=1, dtype=np.float64)[None, :]
     total = light.sum(axis=1, keepdims=True)
     share = np.divide(light, total, out=np.full(light.shape, 1.0 / n), where=total > 0.0)
     sums = np.cumsum((1.0 - UNIFORM_SHARE) * share + UNIFORM_SHARE / n, axis=1).astype(np.float32)
@@ -90,7 +92,7 @@ def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -
 def trace_paths(
     scene: DeviceScene,
     elements: DeviceElements,
-    choice: DeviceArray,
+    light: SurfaceLight,
     position: NDArray[np.float64],
     normal: NDArray[np.float64],
     n_samples: int,
@@ -116,7 +118,8 @@ def trace_paths(
         patch_solid=scene.solid,
         side_material=elements.side_material,
         row_size=elements.row_size,
-        emitter_choice=choice,
+        emitter_choice=light.emitter_choice,
+        row_direct=light.row_direct,
         path_material=material,
         path_emitter=emitter,
         path_gain=gain,
@@ -213,7 +216,7 @@ def read_points(
     for part, count in _batches(gather_samples):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
         paths = trace_paths(
-            scene, elements, light.emitter_choice, position[part], normal[part], count, batch_seed, near_factor
+            scene, elements, light, position[part], normal[part], count, batch_seed, near_factor
         )
         irradiance[part] += reflected_light(scene, paths, light)[0][:, :used]
         row = scene.device.fetch(paths.row)

@@ -91,7 +91,6 @@ def test_uniform_light_in_a_furnished_room(device):
 
 
 @pytest.mark.slow
-@pytest.mark.xfail(strict=True, reason="near emitters that the horizon cuts: no candidate above it counts as no light")
 def test_uniform_light_beside_furniture_without_bias(device):
     """Places 10 cm above the floor beside a box and under a shelf, within 0.5 %."""
     room = furnished(1, lambda rho: 1 - rho)
