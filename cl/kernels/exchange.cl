@@ -1,13 +1,12 @@
 /* Rays from row elements: the samples of the exchange between elements. */
-#include "include/hr_bvh.h"
+#include "include/hr_covered.h"
 #include "include/hr_elements.h"
 #include "include/hr_outcomes.h"
 
 /* Ray `k` of row `r` starts at the k-th point of the row's own sequence, with density cos/pi about the normal. */
-__kernel void trace_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS,
-                         __global const uint *patch_solid, /* (n_patches,) 1: matter behind it          */
-                         __global uint *hit_row,           /* (n_rows, n_samples) row, or an outcome    */
-                         __global uint *hit_side,          /* (n_rows, n_samples) 2 patch + side        */
+__kernel void trace_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_SOLID_PARAMS,
+                         __global uint *hit_row,  /* (n_rows, n_samples) row, or an outcome */
+                         __global uint *hit_side, /* (n_rows, n_samples) 2 patch + side     */
                          const uint first_row, const uint n_samples, const uint seed, const float scale,
                          const uint n_items)
 {
@@ -26,7 +25,7 @@ __kernel void trace_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS,
     uint outcome;
     if (hit.patch == HR_NONE)
         outcome = direction.z > 0.0f ? HR_SKY : HR_MISS;
-    else if (hit.side == HR_BACK && patch_solid[hit.patch])
+    else if (hr_leaves_solid(hit, origin, direction, scale, patch_normal, HR_SOLID, HR_BVH))
         outcome = HR_COVERED;
     else {
         const uint cell =

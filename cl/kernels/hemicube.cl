@@ -7,7 +7,7 @@ __kernel void draw_hemicubes(HR_DRAWN_PARAMS,
                              __global const uint *cell_divisions,  /* (n_patches, 2)                     */
                              __global const uint *side_first_cell, /* (n_patches, 2)                     */
                              __global const uint *cell_item,       /* (n_cells,)                         */
-                             __global const uint *patch_solid,     /* (n_patches,) 1: matter behind it   */
+                             __global const uint *patch_solid,     /* (n_patches,) not 0: matter behind  */
                              __global const double *eye,           /* (n_points, 3) [m], local frame     */
                              __global const double *normal,        /* (n_points, 3) unit                 */
                              __global const double *angle,         /* (n_points,) turn about the normal  */

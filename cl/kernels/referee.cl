@@ -42,7 +42,7 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const float *position,       /* (n_points, 3) [m]                            */
                             __global const float *normal,         /* (n_points, 3) unit                           */
                             __global const uint *side_material,   /* (n_patches, 2) HR_NONE: black                */
-                            __global const uint *patch_solid,     /* (n_patches,) 1: matter behind it             */
+                            __global const uint *patch_solid,     /* (n_patches,) not 0: matter behind            */
                             __global const uint *patch_emitter,   /* (n_patches,) HR_NONE: emits nothing          */
                             __global const float *emitter_power,  /* (n_emitters,) in any unit                    */
                             __global const float *reflectance,    /* (n_materials, 8 HR_GROUPS) [1]               */

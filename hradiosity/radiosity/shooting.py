@@ -12,8 +12,8 @@ from scipy.sparse import csr_array
 from hradiosity.model.geometry import BACK, Patches
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.cells import cell_corners
+from hradiosity.space.covered import starts_inside
 from hradiosity.space.hierarchy import Elements
-from hradiosity.space.visibility import trace_closest
 from hradiosity.transport.form_factor.hemicube import OFFSET, Hemicube, Views
 
 TRIES: Final = 16
@@ -45,19 +45,16 @@ class ShootingPoints:
 def shooting_points(
     bvh: Bvh, patches: Patches, grid: Elements, cells: NDArray[np.int64], rng: np.random.Generator
 ) -> ShootingPoints:
-    """A point on each cell, evenly distributed over the part that no solid covers.
-
-    A ray that meets the back of a solid started inside it.
-    """
+    """A point on each cell, evenly distributed over the part that no solid covers."""
     corners, is_triangle = cell_corners(patches, grid)
     corners, is_triangle = corners[cells], is_triangle[cells]
     side = grid.cell_side[cells].astype(np.int64)
     patch = side // 2
     normal = patches.normal[patch] * np.where(side % 2 == BACK, -1.0, 1.0)[:, None]
     position = _random_points(corners, is_triangle, rng)
-    solid = patches.solid >= 0
-    covered = np.full(len(cells), bool(solid.any()))
-    for attempt in range(TRIES if solid.any() else 0):
+    solids = bool((patches.solid >= 0).any())
+    covered = np.full(len(cells), solids)
+    for attempt in range(TRIES if solids else 0):
         left = np.flatnonzero(covered)
         if not len(left):
             break
@@ -65,8 +62,8 @@ def shooting_points(
             position[left] = _random_points(corners[left], is_triangle[left], rng)
         direction = normal[left] + 0.9 * _unit(rng.standard_normal((len(left), 3)))
         reach = OFFSET * np.maximum(np.abs(position[left] - bvh.local_origin).max(axis=1), bvh.scale)
-        hits = trace_closest(bvh, position[left] + reach[:, None] * normal[left], direction, skip_patch=patch[left])
-        covered[left] = (hits.patch >= 0) & (hits.side == BACK) & solid[np.maximum(hits.patch, 0)]
+        start = position[left] + reach[:, None] * normal[left]
+        covered[left] = starts_inside(bvh, patches, start, direction, patch[left])
     return ShootingPoints(position, normal, patch, ~covered, rng.random(len(cells)) * 2.0 * np.pi)
 
 

@@ -12,6 +12,7 @@ from hradiosity.device import Device
 from hradiosity.device.device import DeviceArray
 from hradiosity.model.scene import Scene
 from hradiosity.space.bvh import Bvh
+from hradiosity.space.flush import flush_reach
 from hradiosity.space.hierarchy import NONE, Elements
 
 
@@ -21,7 +22,8 @@ class DeviceScene:
 
     geometry : ray structure and patches
     emitters : patch, position and sides of each emitter
-    solid : (n_patches,) uint32, 1 where matter lies behind the patch
+    solid : (n_patches,) uint32, 1 + number of the solid whose matter lies behind the patch; 0 for none
+    flush_reach : (n_patches, 2) float32, see `hradiosity.space.flush.flush_reach` [m]
     n_emitters : number of emitters
     scale : size of the scene, for ray offsets [m]
     occlusion : False when nothing can stand between any two points
@@ -32,6 +34,7 @@ class DeviceScene:
     geometry: dict[str, DeviceArray]
     emitters: dict[str, DeviceArray]
     solid: DeviceArray
+    flush_reach: DeviceArray
     n_emitters: int
     occlusion: bool
 
@@ -78,7 +81,8 @@ def upload_scene(device: Device, scene: Scene, bvh: Bvh, *, occlusion: bool) -> 
             "emitter_extent": device.upload(_emitter_extent(scene), np.float32),
             "emitter_two_sided": device.upload(two_sided[lamps.luminaire], np.uint32),
         },
-        solid=device.upload(scene.patches.solid >= 0, np.uint32),
+        solid=device.upload(scene.patches.solid + 1, np.uint32),
+        flush_reach=device.upload(flush_reach(scene.patches)),
         n_emitters=len(lamps),
         occlusion=occlusion,
     )

@@ -95,6 +95,7 @@ def trace_rows(scene: DeviceScene, elements: DeviceElements, n_samples: int, see
         **scene.geometry,
         **elements.cells,
         patch_solid=scene.solid,
+        flush_reach=scene.flush_reach,
         hit_row=row,
         hit_side=side,
         first_row=0,

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from check_rooms import HEADER, LAMP, ROOM, SOUND, box, findings, grave, of_kind, points, rectangle
 
-from hradiosity.space.check.overlaps import overlap_areas, overlapping_boxes
+from hradiosity.space.overlaps import overlap_areas, overlapping_boxes
 
 
 def test_a_sound_room_has_nothing_grave(device, tmp_path):

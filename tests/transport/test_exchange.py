@@ -242,7 +242,6 @@ def test_constant_one_in_a_furnished_closed_room(device, size):
     assert covered == pytest.approx(0.3 * 0.4, rel=0.2)
 
 
-@pytest.mark.xfail(strict=True, reason="rays inside a solid meet the wall that it touches in the place of its own face")
 def test_tall_cupboard_flush_with_two_walls_covers_its_floor(device):
     room = cube()
     room.lamp(5, 1.0)

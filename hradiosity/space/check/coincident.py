@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.geometry import BACK, FRONT
-from hradiosity.space.check.coplanar import Coplanar, coplanar_pairs
 from hradiosity.space.check.finding import Finding, Severity, at
 from hradiosity.space.check.subject import Subject
+from hradiosity.space.coplanar import Coplanar, coplanar_pairs
 
 _WHOLE = 0.99
 """Common share of both areas from which two faces are one and the same."""
@@ -67,7 +67,7 @@ _WORDS = {
 
 def coincident_findings(subject: Subject) -> Iterator[Finding]:
     """One finding for each pair of objects with surfaces in one place that light reaches."""
-    pairs = coplanar_pairs(subject)
+    pairs = coplanar_pairs(subject.scene.patches)
     seen = np.flatnonzero(_compete(subject, pairs))
     case = _case(subject, pairs)[seen]
     owner = subject.scene.patches.object.astype(np.int64)
