@@ -4,9 +4,7 @@
 build on them. Nothing heavy is imported before it is used.
 """
 
-import sys
 from importlib import import_module
-from types import ModuleType
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
@@ -41,23 +39,3 @@ def __getattr__(name: str) -> Any:
 
 def __dir__() -> list[str]:
     return sorted(__all__)
-
-
-class _Package(ModuleType):
-    """The package itself, in which ``solve`` is the function, though the iterations are in a folder of that name.
-
-    Importing that folder would put it in the function's place; ``from hradiosity.solve.krylov import …`` does not need
-    the attribute.
-    """
-
-    @property
-    def solve(self) -> Any:
-        """`hradiosity.radiosity.solver.solve`."""
-        return __getattr__("solve")
-
-    @solve.setter
-    def solve(self, folder: ModuleType) -> None:
-        """Leave it as it is."""
-
-
-sys.modules[__name__].__class__ = _Package

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.radiosity.surfaces import Record
-from hradiosity.solve.krylov import Convergence
+from hradiosity.solvers.krylov import Convergence
 from hradiosity.transport.exchange import Defects
 
 

@@ -16,8 +16,8 @@ from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.geometry import NONE
 from hradiosity.radiosity.shooting import ShootingPoints, ShootingRows, shooting_points
 from hradiosity.radiosity.surfaces import SurfaceSolver
-from hradiosity.solve.krylov import Convergence
-from hradiosity.solve.southwell import ShootingSystem, shoot, shooting_weights
+from hradiosity.solvers.krylov import Convergence
+from hradiosity.solvers.southwell import ShootingSystem, shoot, shooting_weights
 from hradiosity.space.hierarchy import COVERED, Elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.space.substructure import SPLITS, Substructure, cut_substructure

@@ -19,9 +19,11 @@ from hradiosity.plan import Plan
 from hradiosity.readings.interval import RunningMoments
 from hradiosity.readings.sensors import SurfaceLight, emitter_choice
 from hradiosity.solution import Surfaces
-from hradiosity.solve.krylov import DEFLATE_ABOVE, Convergence, deflation_vectors, solve_by_basis, solve_irradiance
-from hradiosity.solve.operator import ExchangeOperator
-from hradiosity.solve.spectral_basis import SpectralBasis, choose_basis
+from hradiosity.solvers.deflation import DEFLATE_ABOVE, deflation_vectors
+from hradiosity.solvers.krylov import Convergence, solve_irradiance
+from hradiosity.solvers.operator import ExchangeOperator
+from hradiosity.solvers.reduced import solve_by_basis
+from hradiosity.solvers.spectral_basis import SpectralBasis, choose_basis
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides

@@ -59,8 +59,8 @@ def test_public_names(name):
 
 def test_solve_is_the_function_whatever_was_imported():
     import hradiosity
-    import hradiosity.solve.krylov
-    from hradiosity.solve.krylov import solve_irradiance
+    import hradiosity.solvers.krylov
+    from hradiosity.solvers.krylov import solve_irradiance
 
     assert callable(solve_irradiance)
     assert hradiosity.solve.__name__ == "solve"

@@ -5,8 +5,9 @@ import pytest
 from scipy.sparse import csr_array
 
 from hradiosity.reference.radiosity import solve_dense
-from hradiosity.solve.krylov import deflation_vectors, solve_irradiance
-from hradiosity.solve.operator import ExchangeOperator
+from hradiosity.solvers.deflation import deflation_vectors
+from hradiosity.solvers.krylov import solve_irradiance
+from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.transport.exchange import Defects, Exchange
 
 

@@ -6,9 +6,9 @@ from box_rooms import CASES, box_room
 from scipy.sparse import csr_array
 
 from hradiosity.reference.radiosity import solve_dense
-from hradiosity.solve.krylov import solve_irradiance
-from hradiosity.solve.operator import ExchangeOperator
-from hradiosity.solve.southwell import ShootingSystem, shoot, shooting_weights
+from hradiosity.solvers.krylov import solve_irradiance
+from hradiosity.solvers.operator import ExchangeOperator
+from hradiosity.solvers.southwell import ShootingSystem, shoot, shooting_weights
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import build_elements
 from hradiosity.transport.device_scene import upload_elements, upload_scene

@@ -1,0 +1,91 @@
+"""The few nearly constant vectors, one for each nearly closed space, that slow an iteration down; and their removal."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.solvers.column_algebra import column_dot
+from hradiosity.solvers.operator import ExchangeOperator
+
+LANCZOS_STEPS = 20
+DEFLATE_ABOVE = 0.8
+"""Ritz values of S above this are deflated; each is a nearly constant vector on one space."""
+
+
+def deflation_vectors(operator: ExchangeOperator, spaces: NDArray[np.int32]) -> NDArray[np.float64]:
+    """Ritz vectors of S with values above 0.8, (n_rows, k): one for each nearly closed space.
+
+    Parameters
+    ----------
+    spaces : (n_rows,) int32
+        Connected space of each element; the start holds one vector for each (at most 8), so that spaces which are
+        not connected at all are found as well.
+    """
+    n_spaces = min(int(spaces.max(initial=-1)) + 1, 8)
+    rng = np.random.Generator(np.random.Philox(key=1))
+    start = [operator.root_area * (spaces == k) for k in range(n_spaces)]
+    start.append(operator.root_area * (1.0 + rng.random(operator.n_rows)))
+    basis: list[NDArray[np.float64]] = []
+    images: list[NDArray[np.float64]] = []
+    for vector in start:
+        candidate = np.asarray(vector, np.float64)
+        for _ in range(LANCZOS_STEPS if vector is start[-1] else 1):
+            candidate = _orthonormalise(candidate, basis)
+            if not candidate.any():
+                break
+            basis.append(candidate)
+            images.append(operator.apply_vector(candidate))
+            candidate = images[-1]
+    if not basis:
+        return np.zeros((operator.n_rows, 0))
+    q, image = np.column_stack(basis), np.column_stack(images)
+    values, vectors = np.linalg.eigh(np.einsum("ni,nj->ij", q, image))
+    kept: NDArray[np.float64] = np.einsum("ni,ik->nk", q, vectors[:, values > DEFLATE_ABOVE])
+    return kept
+
+
+def _orthonormalise(vector: NDArray[np.float64], basis: list[NDArray[np.float64]]) -> NDArray[np.float64]:
+    size = np.sqrt(np.einsum("n,n->", vector, vector))
+    for _ in range(2):
+        for q in basis:
+            vector = vector - np.einsum("n,n->", q, vector) * q
+    norm = np.sqrt(np.einsum("n,n->", vector, vector))
+    return vector / norm if norm > 1e-10 * size else np.zeros_like(vector)
+
+
+class CoarseSpace:
+    """The deflation space of each column: W, A W and (Wᵀ A W)⁻¹ with A = I − R½ S R½."""
+
+    def __init__(
+        self, operator: ExchangeOperator, root: NDArray[np.float32], vectors: NDArray[np.float64]
+    ) -> None:
+        self.size = vectors.shape[1]
+        self._w = vectors.astype(np.float32)
+        self._aw = [w[:, None] - root * operator.apply(root * w[:, None]) for w in self._w.T]
+        small = np.array([[column_dot(w[:, None], aw) for aw in self._aw] for w in self._w.T])
+        self._inverse = np.linalg.inv(np.moveaxis(small, 2, 0))
+
+    def solve(self, residual: NDArray[np.float32]) -> NDArray[np.float32]:
+        """W (Wᵀ A W)⁻¹ Wᵀ r."""
+        return self._combine(np.array([column_dot(w[:, None], residual) for w in self._w.T]))
+
+    def project(self, residual: NDArray[np.float32]) -> NDArray[np.float32]:
+        """W (Wᵀ A W)⁻¹ (A W)ᵀ r: the part of a direction that is not conjugate to W."""
+        return self._combine(np.array([column_dot(aw, residual) for aw in self._aw]))
+
+    def remove(self, residual: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+        """W c and A W c with c = (Wᵀ A W)⁻¹ Wᵀ r."""
+        factors = self._factors(np.array([column_dot(w[:, None], residual) for w in self._w.T]))
+        image = np.zeros_like(residual)
+        for aw, factor in zip(self._aw, factors):
+            image += aw * factor
+        return np.einsum("ni,ic->nc", self._w, factors), image
+
+    def _factors(self, right: NDArray[np.float64]) -> NDArray[np.float32]:
+        factors: NDArray[np.float32] = np.einsum("cij,jc->ic", self._inverse, right).astype(np.float32)
+        return factors
+
+    def _combine(self, right: NDArray[np.float64]) -> NDArray[np.float32]:
+        combined: NDArray[np.float32] = np.einsum("ni,ic->nc", self._w, self._factors(right))
+        return combined
