@@ -23,8 +23,8 @@ INSET = 2.0**-16
 RAY_BUDGET = 512
 """Shadow rays from a vertex to all emitters together, if the options leave it open."""
 LEAST_RAYS, MOST_RAYS = 16, 256
-LEAST_PILOT, PILOT_SHARE = 16, 4
-"""Rays to an emitter that decide alone when they agree: one in four, but not fewer than 16."""
+LEAST_PILOT, PILOT_SHARE = 4, 4
+"""Rays to an emitter that decide alone when they agree: one in four, but not fewer than four."""
 BATCH = 1 << 17
 """Vertices evaluated at a time."""
 
