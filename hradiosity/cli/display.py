@@ -10,7 +10,7 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from hradiosity.cli.text import count, percent
-from hradiosity.radiosity.solver import State
+from hradiosity.radiosity.state import State
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType

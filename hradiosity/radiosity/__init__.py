@@ -5,7 +5,8 @@ from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration
 from hradiosity.radiosity.classic import ClassicSolver
-from hradiosity.radiosity.solver import RadiositySolver, State, solve
+from hradiosity.radiosity.solver import RadiositySolver, solve
+from hradiosity.radiosity.state import State
 
 __all__ = ["ClassicSolver", "RadiositySolver", "State", "make_solver", "solve"]
 

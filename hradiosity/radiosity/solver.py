@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -16,6 +16,7 @@ from hradiosity.options import Options
 from hradiosity.plan import Calibration, Plan
 from hradiosity.planning import make_plan, sized
 from hradiosity.radiosity.checkpoint import pack_record, part_of, unpack_record
+from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
 from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.moments import ReadingMoments
@@ -32,30 +33,6 @@ NEAR_FACTOR = 1.0
 MAX_REPLICATES = 256
 KEPT_BYTES = 256 * 2**20
 """Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
-
-
-@dataclass(frozen=True)
-class State:
-    """Where a run stands.
-
-    stage : what was just finished
-    replicate, replicates : done, and wanted so far
-    seconds : wall seconds since the start
-    error, median_error : largest and median half width over value of all readings (see `Readings.accuracy`);
-        infinite before two replicates
-    elements, rays : row elements, and rays traced so far
-    unshot : relative residual of the last solution
-    """
-
-    stage: str
-    replicate: int
-    replicates: int
-    seconds: float
-    error: float
-    median_error: float
-    elements: int
-    rays: int
-    unshot: float
 
 
 def solve(scene: Scene, options: Options | None = None, device: Device | None = None) -> Solution:

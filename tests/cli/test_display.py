@@ -5,7 +5,7 @@ import io
 from rich.console import Console
 
 from hradiosity.cli.display import Expectation, LiveDisplay, PlainDisplay, clock
-from hradiosity.radiosity.solver import State
+from hradiosity.radiosity.state import State
 
 
 def state(replicate, seconds, *, replicates=4, error=0.1):

@@ -12,7 +12,7 @@ from hradiosity.io.mesh.raw import PartLabel, RawMesh
 def read_with_assimp(path: Path) -> RawMesh:
     """Read a format without objects and materials: one part named after the file.
 
-    Damaged files have been seen to crash assimp, so this runs in a process of its own (``mesh_worker``).
+    Damaged files have been seen to crash assimp, so this runs in a process of its own (`hradiosity.io.mesh.worker`).
 
     Raises
     ------
