@@ -197,3 +197,14 @@ def test_preview_agrees_with_the_flat_picture(device):
     white = preview.white_luminance
     _, drawn = draw(device, furnished_room(), ROOM, modes=("flat",), white_luminance=white)
     assert quick == pytest.approx(drawn["v", "flat"].pixels.mean(), rel=0.03)
+
+
+@pytest.mark.parametrize(("pictures", "lamp", "needed"), [(False, True, False), (True, True, True), (True, False, False)])
+def test_plan_says_whether_shadows_are_refined(device, pictures, lamp, needed):
+    room = SceneBuilder()
+    room.box((0, 0, 0), (1, 1, 1), room.material(0.5), inward=True)
+    if lamp:
+        room.lamp(5, 1.0)
+    plan = RadiositySolver(room.scene(), replace(QUICK, pictures=pictures), device).plan
+    (effect,) = [e for e in plan.effects if e.name == "shadow refinement"]
+    assert effect.needed == needed and effect.because
