@@ -199,7 +199,9 @@ def test_preview_agrees_with_the_flat_picture(device):
     assert quick == pytest.approx(drawn["v", "flat"].pixels.mean(), rel=0.03)
 
 
-@pytest.mark.parametrize(("pictures", "lamp", "needed"), [(False, True, False), (True, True, True), (True, False, False)])
+@pytest.mark.parametrize(
+    ("pictures", "lamp", "needed"), [(False, True, False), (True, True, True), (True, False, False)]
+)
 def test_plan_says_whether_shadows_are_refined(device, pictures, lamp, needed):
     room = SceneBuilder()
     room.box((0, 0, 0), (1, 1, 1), room.material(0.5), inward=True)
