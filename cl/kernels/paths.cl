@@ -132,17 +132,11 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     path_material[2 * i] = HR_NONE;
     path_material[2 * i + 1] = HR_NONE;
 
+    float3 numbers = (float3)(hr_sample(k, 4, point_seed), hr_sample(k, 5, point_seed), hr_sample(k, 6, point_seed));
+    float2 next = (float2)(hr_sample(k, 2, point_seed), hr_sample(k, 3, point_seed));
     for (uint bounce = 0; bounce < 2 && HR_IS_ROW(row); ++bounce) {
         if (bounce == 1 && hit.t >= near_factor * row_size[row])
             break;
-        /* Few paths come here a second time: plain random numbers serve them. */
-        const uint plain = hr_combine(point_seed, k + 0x51ed270bu);
-        const float3 numbers =
-            bounce == 0
-                ? (float3)(hr_sample(k, 4, point_seed), hr_sample(k, 5, point_seed), hr_sample(k, 6, point_seed))
-                : (float3)(hr_plain(plain, 0), hr_plain(plain, 1), hr_plain(plain, 2));
-        const float2 next = bounce == 0 ? (float2)(hr_sample(k, 2, point_seed), hr_sample(k, 3, point_seed))
-                                        : (float2)(hr_plain(plain, 3), hr_plain(plain, 4));
         const float3 y = hr_patch_point(hit.patch, hit.u, hit.v, HR_PATCH);
         n = hr_side_normal(hit.patch, hit.side, patch_normal);
         hr_explicit light = hr_light_hit(y, n, hit.patch, row, numbers, emitter_choice, row_direct, n_emitters,
@@ -155,6 +149,10 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
             light.gain += hr_light_on_ray(y, n, d, hit, light, HR_EMITTER, HR_PATCH);
         path_gain[2 * i + bounce] = light.gain;
         row = hr_row_of_hit(hit, d, patch_solid, cell_divisions, side_first_cell, cell_row, patch_kind);
+        /* Fewer and weaker paths come here a second time: plain random numbers serve them. */
+        const uint plain = hr_combine(point_seed, k + 0x51ed270bu);
+        numbers = (float3)(hr_plain(plain, 0), hr_plain(plain, 1), hr_plain(plain, 2));
+        next = (float2)(hr_plain(plain, 3), hr_plain(plain, 4));
     }
     path_row[i] = row;
 }
