@@ -4,10 +4,12 @@
 
 #include "include/hr_types.h"
 
+#define HR_SOBOL_DIMENSIONS 8u
+
 /* Entry 128 dimension + 16 k + v: what the value v of the k-th four bits of an index adds to the point in that
    dimension; sums of direction numbers of new-joe-kuo-6 (Joe & Kuo 2008), with the order of their bits reversed, as
    the scramble wants them. */
-__constant uint hr_sobol_sums[8 * 8 * 16] = {
+__constant uint hr_sobol_sums[HR_SOBOL_DIMENSIONS * 8 * 16] = {
     0x00000000u, 0x00000001u, 0x00000002u, 0x00000003u, 0x00000004u, 0x00000005u, 0x00000006u, 0x00000007u,
     0x00000008u, 0x00000009u, 0x0000000au, 0x0000000bu, 0x0000000cu, 0x0000000du, 0x0000000eu, 0x0000000fu,
     0x00000000u, 0x00000010u, 0x00000020u, 0x00000030u, 0x00000040u, 0x00000050u, 0x00000060u, 0x00000070u,
