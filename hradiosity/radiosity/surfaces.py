@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -248,7 +248,7 @@ class SurfaceSolver:
         irradiance, convergence = solve_irradiance(
             operator, reflectance, direct, tolerance=tolerance, start=start, deflation=self._deflation
         )
-        self.record.convergence.append(convergence)
+        self.record.convergence.append(replace(convergence, solved_columns=self.plan.columns.n_columns))
         return irradiance
 
     def _choose_basis(self) -> SpectralBasis | None:
