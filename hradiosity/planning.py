@@ -72,9 +72,7 @@ def _columns_of_class(
     return expansion, inside / top, int(bands[0])
 
 
-def make_plan(
-    scene: Scene, options: Options, lit: LitSides, calibration: Calibration | None = None
-) -> Plan:
+def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibration | None = None) -> Plan:
     """Weigh each effect against the scene, and choose sizes that the options leave open.
 
     Parameters

@@ -79,9 +79,7 @@ class LiveFiles:
             if self._solver.replicates == 0:
                 self._preview_pace.wait(0.0)  # the paints; the first light comes soon
         if self._solver.replicates:
-            self._checkpoint_pace.run(
-                lambda: save_checkpoint(self._folder, self._solver.checkpoint(), self._digest)
-            )
+            self._checkpoint_pace.run(lambda: save_checkpoint(self._folder, self._solver.checkpoint(), self._digest))
 
     def remove_preview(self) -> None:
         """Once there are real pictures."""

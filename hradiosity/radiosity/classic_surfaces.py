@@ -208,9 +208,7 @@ class ClassicSurfaces(SurfaceSolver):
         """(n_rows, n_columns) irradiance by point sources."""
         if self._points_alone is None:
             return np.zeros((len(self.elements), self.plan.columns.n_columns))
-        per_source = direct_on_rows(
-            self._points_alone, self.on_device_elements, hits, self.plan.light_points, seed
-        )
+        per_source = direct_on_rows(self._points_alone, self.on_device_elements, hits, self.plan.light_points, seed)
         self.record.rays += per_source.size * self.plan.light_points
         return self._from_points(per_source)
 
@@ -220,9 +218,7 @@ class ClassicSurfaces(SurfaceSolver):
         light: NDArray[np.float64] = np.einsum("re,ec->rc", factor.astype(np.float64), emission.astype(np.float64))
         return light
 
-    def _shoot(
-        self, rows: ShootingRows, area: NDArray[np.float64], direct: NDArray[np.float64]
-    ) -> NDArray[np.float64]:
+    def _shoot(self, rows: ShootingRows, area: NDArray[np.float64], direct: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n_patches, n_columns) exitance that every patch has shot when little is left."""
         patches = self._structure.levels[0]
         n_patches = len(patches)

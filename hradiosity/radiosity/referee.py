@@ -69,9 +69,7 @@ class Referee:
         parts = rounds(referee, len(self._position), self._wanted)
         wanted = sum(count for _, count in parts)
         for first, count in parts:
-            sums = trace_round(
-                referee, self._position, self._normal, first_path=first, n_paths=count, seed=self.seed
-            )
+            sums = trace_round(referee, self._position, self._normal, first_path=first, n_paths=count, seed=self.seed)
             self._totals.add(sums, count)
             self.cpu_seconds += time.process_time() - cpu
             yield self._state(wanted)

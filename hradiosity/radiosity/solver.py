@@ -58,9 +58,7 @@ class RadiositySolver:
     surface_solver: type[SurfaceSolver] = SurfaceSolver
     """What estimates the light on the surfaces."""
 
-    def __init__(
-        self, scene: Scene, options: Options, device: Device, calibration: Calibration | None = None
-    ) -> None:
+    def __init__(self, scene: Scene, options: Options, device: Device, calibration: Calibration | None = None) -> None:
         self.scene, self.options, self.device = scene, options, device
         self.record = Record()
         self.cpu_seconds = 0.0
@@ -236,9 +234,7 @@ class RadiositySolver:
         if len(self._kept) < 2 or (len(self._kept) + 1) * size <= KEPT_BYTES:
             self._kept.append((surfaces.on_device_elements, light, seed))
 
-    def _plan_effort(
-        self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int
-    ) -> Effort:
+    def _plan_effort(self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int) -> Effort:
         """Samples of each reading in every replicate."""
         plan = self.plan
         return plan_effort(

@@ -127,9 +127,7 @@ class SurfaceSolver:
             hits = self._trace(seed)
         n_emitters = len(self.scene.emitters)
         with self.record.timed("direct light"):
-            per_emitter = direct_on_rows(
-                self.on_device, self.on_device_elements, hits, self.plan.light_points, seed
-            )
+            per_emitter = direct_on_rows(self.on_device, self.on_device_elements, hits, self.plan.light_points, seed)
             self.record.rays += len(self.elements) * n_emitters * self.plan.light_points
         with self.record.timed("exchange"):
             exchange = build_exchange(hits, self.elements)

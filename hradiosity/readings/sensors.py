@@ -215,9 +215,7 @@ def read_points(
     enclosed = np.zeros(n)
     for part, count in _batches(gather_samples):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
-        paths = trace_paths(
-            scene, elements, light, position[part], normal[part], count, batch_seed, near_factor
-        )
+        paths = trace_paths(scene, elements, light, position[part], normal[part], count, batch_seed, near_factor)
         irradiance[part] += reflected_light(scene, paths, light)[0][:, :used]
         row = scene.device.fetch(paths.row)
         lost = (row == COVERED) | (row == UNLIT)

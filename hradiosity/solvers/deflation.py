@@ -57,9 +57,7 @@ def _orthonormalise(vector: NDArray[np.float64], basis: list[NDArray[np.float64]
 class CoarseSpace:
     """The deflation space of each column: W, A W and (Wᵀ A W)⁻¹ with A = I − R½ S R½."""
 
-    def __init__(
-        self, operator: ExchangeOperator, root: NDArray[np.float32], vectors: NDArray[np.float64]
-    ) -> None:
+    def __init__(self, operator: ExchangeOperator, root: NDArray[np.float32], vectors: NDArray[np.float64]) -> None:
         self.size = vectors.shape[1]
         self._w = vectors.astype(np.float32)
         self._aw = [w[:, None] - root * operator.apply(root * w[:, None]) for w in self._w.T]

@@ -172,9 +172,7 @@ def _group_rows(
     single = count[patch] == 1
     normal = patches.normal[patch] * np.where(side == 0, 1.0, -1.0)[:, None]
     cube = np.floor((patches.centroid[patch] - patches.bounds()[0]) / size + 1e-6).astype(np.int64)
-    kind = np.column_stack(
-        [side_material.ravel()[cell_side], space.ravel()[cell_side], _direction_class(normal), cube]
-    )
+    kind = np.column_stack([side_material.ravel()[cell_side], space.ravel()[cell_side], _direction_class(normal), cube])
     kind[~single] = -1
     kind[~single, 0] = -1 - np.flatnonzero(~single)
     _, first, group = np.unique(kind, axis=0, return_index=True, return_inverse=True)

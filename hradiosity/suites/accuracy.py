@@ -39,9 +39,7 @@ class Outcome:
     error: Comparison
 
 
-def measure(
-    scene: Scene, device: Device, name: str, reference: Mapping[str, Readings], *, seed: int = 0
-) -> Outcome:
+def measure(scene: Scene, device: Device, name: str, reference: Mapping[str, Readings], *, seed: int = 0) -> Outcome:
     """Solve at the quality `name`, in the mode before a colon if there is one, and compare with the reference."""
     mode, _, quality = name.rpartition(":")
     options = Options.of_quality(cast(Quality, quality), seed=seed, mode=mode or "rays")

@@ -116,4 +116,3 @@ def upload_elements(device: Device, elements: Elements) -> DeviceElements:
         side_material=device.upload(elements.side_material),
         row_size=device.upload(np.sqrt(elements.area), np.float32),
     )
-

@@ -186,9 +186,7 @@ def _close(
     return scale, CLOSURE_STEPS
 
 
-def _row_sum_defects(
-    pooled: csr_array, outside: NDArray[np.float64], area: NDArray[np.float64]
-) -> dict[str, float]:
+def _row_sum_defects(pooled: csr_array, outside: NDArray[np.float64], area: NDArray[np.float64]) -> dict[str, float]:
     counts = area > 0.0
     defect = (np.asarray(pooled.sum(axis=1)).ravel() + outside)[counts] / area[counts] - 1.0
     return {

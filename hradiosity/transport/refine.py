@@ -153,9 +153,7 @@ def _split_balanced(leaves: Leaves, nodes: NDArray[np.int64], vertices: _Vertice
 class _Vertices:
     """Values at points that leaves share; each is computed once."""
 
-    def __init__(
-        self, on_device: DeviceScene, scene: Scene, goal: RefinementGoal, options: RefinementOptions
-    ) -> None:
+    def __init__(self, on_device: DeviceScene, scene: Scene, goal: RefinementGoal, options: RefinementOptions) -> None:
         self._on_device, self._scene, self._goal, self._options = on_device, scene, goal, options
         lamps = scene.luminaires
         weights = luminous_weights(scene.bands)
@@ -285,4 +283,3 @@ class _Vertices:
         vertex = np.full((leaves.n_nodes, N_PLACES), NONE, np.int32)
         vertex[nodes] = np.where(known, index, NONE)
         return ShadowLight(leaves, vertex, self._side, self._light, self._covered)
-

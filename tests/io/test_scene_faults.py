@@ -48,7 +48,7 @@ def test_folder_and_file_are_the_same_scene(tmp_path):
 
 
 def test_syntax_error_has_line_and_column(tmp_path):
-    assert "line 2, column" in only(faults(tmp_path, '[scene]\nunit = m\n'))
+    assert "line 2, column" in only(faults(tmp_path, "[scene]\nunit = m\n"))
 
 
 def test_text_that_is_not_utf8(tmp_path):

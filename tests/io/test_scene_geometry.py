@@ -79,7 +79,7 @@ def test_rectangle_is_one_patch(tmp_path):
 )
 def test_box_is_closed_and_has_its_volume(tmp_path_factory, place, angle, axis, up, inside):
     box = (
-        f'[[box]]\n{place} = [0.3, -0.2, 1.1]\nsize = [1.0, 2.0, 3.0]\nrotation_deg = {angle:f}\n{axis}'
+        f"[[box]]\n{place} = [0.3, -0.2, 1.1]\nsize = [1.0, 2.0, 3.0]\nrotation_deg = {angle:f}\n{axis}"
         f'inside = {str(inside).lower()}\nmaterial = "paint"\nluminaire = "lamp"\n'
     )
     text = HEADER.replace('"m"', f'"m"\nup = "{up}"') + PAINT + LAMP + box

@@ -45,9 +45,7 @@ def test_grid_in_millimetres_with_y_up(tmp_path):
 
 @pytest.mark.parametrize(("side", "sign"), [("front", 1.0), ("back", -1.0)])
 def test_points_on_a_surface(tmp_path, side, sign):
-    spread = sensor(
-        tmp_path, f'kind = "surface"\nobject = "floor"\nspacing = 1.0\nside = "{side}"\noffset = 0.01'
-    )
+    spread = sensor(tmp_path, f'kind = "surface"\nobject = "floor"\nspacing = 1.0\nside = "{side}"\noffset = 0.01')
     assert spread.grid == (2, 4)
     np.testing.assert_allclose(spread.position[:, 2], sign * 0.01)
     np.testing.assert_allclose(spread.position[:, :2].mean(axis=0), [2, 1], rtol=1e-15)

@@ -19,9 +19,7 @@ def test_rays_meet_what_projects_to_their_pixel(device):
     hits = trace_view(build_bvh(device, scene.patches), view, 3)
     patches, patch = scene.patches, hits.side // 2
     assert (hits.side >= 0).all()
-    points = (
-        patches.origin[patch] + hits.u[:, None] * patches.edge_u[patch] + hits.v[:, None] * patches.edge_v[patch]
-    )
+    points = patches.origin[patch] + hits.u[:, None] * patches.edge_u[patch] + hits.v[:, None] * patches.edge_v[patch]
     x, y = project(view, points).T.reshape(2, 90, 120)
     np.testing.assert_allclose(x, np.broadcast_to((np.arange(120) + 0.5) / 3, x.shape), atol=1e-3)
     np.testing.assert_allclose(y, np.broadcast_to(((np.arange(90) + 0.5) / 3)[:, None], y.shape), atol=1e-3)

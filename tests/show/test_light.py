@@ -43,9 +43,7 @@ def steps(picture, rows):
         ((3, one, 0.37 + 0.63 * t), (7, zero, t)),
         ((6, t, one), (7, t, zero)),
     ]
-    here, there = (
-        np.concatenate([light_on_sides(picture, rows, *pair[k]) for pair in pairs]) for k in (0, 1)
-    )
+    here, there = (np.concatenate([light_on_sides(picture, rows, *pair[k]) for pair in pairs]) for k in (0, 1))
     return float(np.sqrt(np.mean((here - there) ** 2)) / here.mean())
 
 

@@ -54,9 +54,7 @@ def test_frames_are_the_cells_that_kernels_number():
     patch = frames.side // 2
     divisions = elements.divisions[patch]
     middle = (frames.corner + frames.extent[:, None] * np.where(frames.is_triangle, 1 / 3, 1 / 2)[:, None]) / divisions
-    centre = (
-        PATCHES.origin[patch] + middle[:, :1] * PATCHES.edge_u[patch] + middle[:, 1:] * PATCHES.edge_v[patch]
-    )
+    centre = PATCHES.origin[patch] + middle[:, :1] * PATCHES.edge_u[patch] + middle[:, 1:] * PATCHES.edge_v[patch]
     count = np.where(frames.is_triangle, 3, 4)[:, None, None]
     expected = np.where(np.arange(4)[None, :, None] < count, corners, 0).sum(axis=1) / count[:, 0]
     np.testing.assert_allclose(centre, np.where(frames.is_triangle[:, None], corners[:, :3].mean(axis=1), expected))

@@ -162,9 +162,7 @@ def _luminaire(lamp: _Lamp, use: _Use, report: Report) -> Luminaire:
     return Luminaire(lamp.name, lamp.shape.power * (amount / whole), nothing, sides == 2)
 
 
-def _intensity(
-    lamp: _Lamp, use: _Use, key: str, amount: float, whole: float, report: Report
-) -> NDArray[np.float64]:
+def _intensity(lamp: _Lamp, use: _Use, key: str, amount: float, whole: float, report: Report) -> NDArray[np.float64]:
     """Radiant intensity of a point source, the same in all directions [W sr⁻¹ per band]."""
     if key == "absolute":
         return lamp.shape.power

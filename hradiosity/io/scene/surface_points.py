@@ -48,17 +48,13 @@ def surface_sensor(
     return Sensor(table.name, on_surface + offset * normal[owner], normal[owner], grid)
 
 
-def _chosen_patches(
-    table: SurfaceSensor, location: Location, surfaces: Surfaces, report: Report
-) -> NDArray[np.bool_]:
+def _chosen_patches(table: SurfaceSensor, location: Location, surfaces: Surfaces, report: Report) -> NDArray[np.bool_]:
     """(n,) whether a patch is meant; none, and a fault, if the object or the face does not exist."""
     objects = np.array(
         [i for i, name in enumerate(surfaces.objects) if name == table.object or name.startswith(f"{table.object}/")]
     )
     if len(objects) == 0:
-        report.fault(
-            (*location, "object"), f"no object {table.object!r}", did_you_mean(table.object, surfaces.objects)
-        )
+        report.fault((*location, "object"), f"no object {table.object!r}", did_you_mean(table.object, surfaces.objects))
         return np.zeros(len(surfaces.patches), dtype=bool)
     wanted: NDArray[np.bool_] = np.isin(surfaces.patches.object, objects)
     if table.face is not None:
@@ -79,9 +75,7 @@ def _counts(table: SurfaceSensor, patches: Patches, frame: Frame) -> NDArray[np.
     return np.where(patches.is_triangle[:, None], counts.max(axis=1, keepdims=True), counts)
 
 
-def _spread(
-    is_triangle: NDArray[np.bool_], counts: NDArray[np.int64]
-) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
+def _spread(is_triangle: NDArray[np.bool_], counts: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Patch and (u, v) of each point, patch by patch; patches that are cut alike are done at once."""
     kinds, kind_of = np.unique(np.column_stack([is_triangle, counts]), axis=0, return_inverse=True)
     owners, places = [], []
