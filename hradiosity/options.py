@@ -10,15 +10,15 @@ Mode = Literal["rays", "classic"]
 Quality = Literal["draft", "normal", "fine"]
 QUALITIES: Final = MappingProxyType(
     {
-        "draft": {"elements": 2000, "gather_samples": 512, "light_samples": 32, "lookup": 2},
-        "normal": {},
-        "fine": {
-            "elements": 12000,
-            "rays_per_element": 128,
-            "light_points": 32,
-            "gather_samples": 16384,
-            "light_samples": 512,
+        "draft": {
+            "elements": 2500,
+            "rays_per_element": 64,
+            "light_points": 16,
+            "gather_samples": 1024,
+            "light_samples": 64,
         },
+        "normal": {},
+        "fine": {"elements": 12000, "gather_samples": 16384, "light_samples": 1024},
     }
 )
 """What each quality sets apart from the defaults; README tells what each costs."""
@@ -51,10 +51,10 @@ class Options:
 
     elements: int = 4000
     element_size: float | None = None
-    rays_per_element: int = 64
-    light_points: int = 16
-    light_samples: int = 128
-    gather_samples: int = 2048
+    rays_per_element: int = 128
+    light_points: int = 32
+    light_samples: int = 256
+    gather_samples: int = 4096
     lookup: Literal[2, 3] = 3
     replicates: int = 4
     accuracy: float | None = None
