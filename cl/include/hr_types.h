@@ -2,12 +2,6 @@
 #ifndef HR_TYPES_H
 #define HR_TYPES_H
 
-#ifndef HR_REAL
-#define HR_REAL float
-#endif
-
-typedef HR_REAL real;
-
 #define HR_NONE 0xFFFFFFFFu
 #define HR_PI 3.14159265358979323846f
 #define HR_INV_PI 0.31830988618379067154f

@@ -139,6 +139,22 @@ class Device:
         """Wait for everything that was enqueued."""
         self._queue.finish()
 
+    def prove(self) -> float:
+        """Build a small kernel, run it and compare; returns the seconds that took.
+
+        Raises
+        ------
+        DeviceError
+            When the device does not build it, or gives wrong numbers.
+        """
+        start = time.perf_counter()
+        values = np.arange(1000, dtype=np.float32)
+        scaled = self.empty(values.shape, np.float32)
+        self.kernel("probe", "scale_values")(len(values), x=self.upload(values), y=scaled, factor=3.0)
+        if not np.array_equal(self.fetch(scaled), 3.0 * values):
+            raise DeviceError(f"{self.info.name} gives wrong numbers for a product")
+        return time.perf_counter() - start
+
     def profile_table(self) -> dict[str, tuple[int, float]]:
         """Launches and seconds of each kernel so far; empty unless opened with ``profile=True``."""
         self._queue.finish()

@@ -78,6 +78,7 @@ def test_devices_marks_one(call):
     shown = call("devices")
     assert shown.code == 0
     assert sum(line.startswith("* ") for line in shown.out.splitlines()) == 2  # the device and the legend
+    assert "gave the right numbers" in shown.out
 
 
 def test_schema_is_json_schema(call):
