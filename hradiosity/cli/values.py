@@ -32,7 +32,7 @@ def share(kind: object, tokens: Sequence[Any]) -> float:
         raise ValueError(f"{text!r} is no share; write it like 1% or 0.01")
     value = float(match[1]) / (100.0 if match[2] else 1.0)
     if not 0.0 < value < 1.0:
-        hint = f"; did you mean {text}%?" if not match[2] and value < 100.0 else ""
+        hint = f"; did you mean {text}%?" if not match[2] and 1.0 <= value < 100.0 else ""
         raise ValueError(f"{text!r} must lie between 0 and 100 %{hint}")
     return value
 

@@ -146,9 +146,11 @@ def flat_light(
     row = picture.elements.cell_row[np.maximum(located.cell, 0)]
     vertex = shadow.vertex[:, : CENTRE + 1]
     uncovered = np.any(~shadow.covered[vertex] & (vertex >= 0), axis=1)
-    node = np.maximum(located.node, 0)
-    known = (located.node >= 0) & uncovered[node]
-    light = rows.indirect[row] + np.where(known[:, None], means[node], rows.direct[row])
+    known = np.flatnonzero(located.node >= 0)
+    known = known[uncovered[located.node[known]]]
+    direct = rows.direct[row]
+    direct[known] = means[located.node[known]]
+    light = rows.indirect[row] + direct
     light[located.cell < 0] = 0.0
     return light
 

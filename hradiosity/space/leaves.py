@@ -111,7 +111,8 @@ class Leaves:
         """
         node = np.where(cell >= 0, self.root[np.maximum(cell, 0)], NONE).astype(np.int32)
         s, t = s.copy(), t.copy()
-        inside = np.flatnonzero((node != NONE) & (self.first_child[node] != NONE))
+        inside = np.flatnonzero(node != NONE)
+        inside = inside[self.first_child[node[inside]] != NONE]
         triangle = self.frames.is_triangle[cell[inside]]
         while len(inside):
             a, b = 2.0 * s[inside], 2.0 * t[inside]

@@ -58,3 +58,11 @@ def test_plus_minus(value, half_width, words):
 @pytest.mark.parametrize(("value", "words"), [(0.012, "1.2 %"), (1.987, "199 %"), (float("inf"), "?")])
 def test_percent(value, words):
     assert percent(value) == words
+
+
+def test_percent_is_suggested_only_where_it_helps():
+    with pytest.raises(ValueError, match="did you mean 5%"):
+        share(float, tokens("5"))
+    with pytest.raises(ValueError) as refused:
+        share(float, tokens("0"))
+    assert "did you mean" not in str(refused.value)

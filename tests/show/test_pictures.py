@@ -71,6 +71,15 @@ def test_lamp_shows_its_own_exitance_over_pi(device):
     assert (luminance[0] == 0).all() and (luminance <= expected * (1 + 1e-5)).all()
 
 
+def test_camera_that_sees_nothing_lit_is_black_in_all_modes(device):
+    """No cell is in view, so that no leaf is planted anywhere."""
+    away = camera((-3.0, 0.5, 0.5), (-2.0, 0.5, 0.5))
+    _, drawn = draw(device, furnace(), away, modes=MODES)
+    assert len(drawn) == len(MODES)
+    for mode in ("flat", "smooth"):
+        assert not drawn["v", mode].channels["Y"].any()
+
+
 def test_exposure_puts_a_luminance_at_white(device):
     """A grey furnace of half the luminance of white has the code of linear 0.5 in its luminance."""
     scene = furnace(0.5, 2.0)
