@@ -44,7 +44,7 @@ class Options:
     tolerance : of the linear solver, residual over right-hand side
     reduced_basis : solve a few columns and combine the others from them where a certificate allows it; False solves
         all
-    seed : of all random numbers
+    seed : of all random numbers, 0 to 2³² − 1
     mode : ``--mode`` of the command line: "rays", or "classic" for hemicubes, shooting and adaptive subdivision
     hemicube_resolution : pixels along an edge of a hemicube's top face, even and at least 8; of the classic mode
     """
@@ -75,8 +75,10 @@ class Options:
         return cls(**(preset | changes))
 
     def __post_init__(self) -> None:
-        if self.element_size is not None and not self.element_size > 0.0:
+        if self.element_size is not None and not 0.0 < self.element_size < float("inf"):
             raise ValueError(f"element_size must be > 0 m, is {self.element_size}")
+        if not 0 <= self.seed < 2**32:
+            raise ValueError(f"seed must lie between 0 and {2**32 - 1}, is {self.seed}")
         least = {"elements": 1, "rays_per_element": 16, "light_points": 1, "light_samples": 1, "replicates": 2}
         for name, lowest in least.items():
             if getattr(self, name) < lowest:

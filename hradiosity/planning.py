@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.errors import Fault, SceneError
 from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
@@ -16,6 +17,9 @@ from hradiosity.space.lit_sides import LitSides
 
 LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
 """Bounds of a row element's edge, as shares of the mean free path of light."""
+
+MOST_ELEMENTS = 5_000_000
+"""More than any device at hand holds the exchange of; so many are asked for by a slip of units."""
 
 
 def spectral_columns(scene: Scene) -> SpectralColumns:
@@ -82,6 +86,11 @@ def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibr
     lit : LitSides
     calibration : Calibration, optional
         Rates of the device, for expected seconds; None leaves them unknown.
+
+    Raises
+    ------
+    SceneError
+        When the edge that is asked for gives too many elements.
     """
     columns = spectral_columns(scene)
     occlusion = _occlusion(scene, options)
@@ -90,7 +99,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibr
     size = options.element_size or float(
         np.clip(np.sqrt(area / options.elements), LEAST_SHARE * lit.free_path, LARGEST_SHARE * lit.free_path)
     )
-    n_elements = int(area / size**2) + int(lit.lit.sum())
+    n_elements = _elements_of(area, size) + int(lit.lit.sum())
     n_readings = sum(len(s.position) for s in scene.sensors)
     replicates = options.replicates
     plan = Plan(
@@ -120,6 +129,15 @@ def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibr
         seconds=None,
     )
     return sized(plan, n_elements, calibration)
+
+
+def _elements_of(area: float, size: float) -> int:
+    """Elements of an edge that an area holds; `SceneError` if that is past any use."""
+    count = area / size**2
+    if count > MOST_ELEMENTS:
+        found = f"elements of {size:g} m on {area:.3g} m² of lit surfaces are {count:.2g}"
+        raise SceneError([Fault("command line", "--element-size", found, f"{MOST_ELEMENTS} elements at most")])
+    return int(count)
 
 
 def sized(plan: Plan, n_elements: int, calibration: Calibration | None = None) -> Plan:

@@ -9,6 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from hradiosity.cli.settings import EFFORT, OUTPUT, Settings
+from hradiosity.errors import Fault, SceneError
 
 
 def render(
@@ -48,6 +49,8 @@ def render(
     """
     from hradiosity.cli.session import Request, run
 
+    if referee is not None and referee < 1:
+        raise SceneError([Fault("command line", "", f"referee must be at least 1, is {referee}", "")])
     chosen = settings or Settings()
     return run(
         Request(
