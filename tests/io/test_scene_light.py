@@ -149,6 +149,25 @@ def test_lines_outside_all_bands_are_reported(tmp_path):
     assert "1014 nm" in warnings(scene)[0]
 
 
+@pytest.mark.parametrize(
+    "bands",
+    ["", "{ first = 380, last = 780, step = 1 }", "{ first = 400, last = 700, step = 50 }", "{ edges = [300, 800] }"],
+)
+def test_lines_of_a_file_keep_the_flux_on_any_bands(tmp_path, bands):
+    """A continuum of 2 per nm from 395 to 705 nm (half steps included), and two lines of 40 and 100."""
+    (tmp_path / "lamp.csv").write_text("nm,power\n400,2\nline,546.07,40\n410,2\n690,2\n700,2\nline,435.83,100\n")
+    header = HEADER + (f"bands = {bands}\n" if bands else "")
+    spectrum = '{ file = "lamp.csv" }'
+    found, scene = luminaire(tmp_path, spectrum, "absolute = true", header=header)
+    low, high = max(395.0, scene.bands.lower[0]), min(705.0, scene.bands.upper[-1])
+    assert found.exitance.sum() == pytest.approx(2 * (high - low) + 140, rel=1e-12)
+    assert found.exitance[np.searchsorted(scene.bands.lower, 435.83) - 1] > 100
+    found, _ = luminaire(tmp_path, spectrum, "radiant_flux_W = 10", header=header)
+    assert found.exitance.sum() == pytest.approx(10, rel=1e-12)
+    found, _ = luminaire(tmp_path, spectrum, "luminous_flux_lm = 500", header=header)
+    assert illuminance(found.exitance, scene.bands) == pytest.approx(500, rel=1e-6)
+
+
 @pytest.mark.parametrize(("outside", "beyond"), [("zero", 0.0), ("hold", 5.0)])
 def test_light_beyond_the_measured_wavelengths(tmp_path, outside, beyond):
     rows = "".join(f"{nm},1\n" for nm in range(400, 701))

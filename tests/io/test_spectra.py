@@ -97,6 +97,50 @@ def test_a_power_may_exceed_one_but_not_be_negative(write):
         read_spectrum_csv(write("400,10\n500,-1\n"), kind="power")
 
 
+@pytest.mark.parametrize(
+    "text",
+    [
+        "nm,power\n400,1\nline, 546.07, 12.3\n500,2\nline,435.83,4\n",
+        "400;1\n500;2\nLine;546.07;12.3 # green\nline;435.83;4\n",
+        "line 546.07 12.3\n400 1\n500 2\nline 435.83 4\n",
+        '"nm"\t"mW"\n"line"\t"546.07"\t"12.3"\nline\t435.83\t4\n400\t1\n500\t2',
+    ],
+)
+def test_spectral_lines_stand_among_the_rows_of_a_power(write, text):
+    spectrum = read_spectrum_csv(write(text), kind="power")
+    np.testing.assert_array_equal(spectrum.wavelength, [400, 500])
+    np.testing.assert_array_equal(spectrum.value, [1, 2])
+    assert dict(zip(spectrum.line_wavelength, spectrum.line_power)) == {546.07: 12.3, 435.83: 4}
+
+
+def test_a_file_may_hold_lines_only_and_several_columns(write):
+    text = "line,one,two\nline,546.07,3,5\nline,435.83,4,6\n"
+    spectrum = read_spectrum_csv(write(text), "two", "power")
+    assert len(spectrum.wavelength) == 0
+    np.testing.assert_array_equal(spectrum.line_power, [5, 6])
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("400,1\n500,2\nline,546.07,-3\n", "line 3: power -3"),
+        ("400,1\n500,2\nline,0.54607,3\n", "look like µm"),
+        ("400,1\n500,2\nline,546.07\n", "line 3: 1 columns; 2, as in the lines above"),
+        ("400,1\n500,2\nline,green,2\n", "line 3: 'green'; a number"),
+        ("400,1\n500,2\nline,546,07,12\n", "is the comma a decimal sign"),
+        ("400,1\nline,546.07,3\n", "line 1: only one wavelength"),
+    ],
+)
+def test_faults_in_spectral_lines_are_named(write, text, message):
+    with pytest.raises(SceneError, match=message):
+        read_spectrum_csv(write(text), kind="power")
+
+
+def test_a_reflectance_has_no_lines(write):
+    with pytest.raises(SceneError, match=r"line 3: a spectral line at 546\.07 nm"):
+        read_spectrum_csv(write("400,0.1\n500,0.2\nline,546.07,0.3\n"))
+
+
 def test_a_missing_file_is_a_fault(tmp_path):
     with pytest.raises(SceneError, match="can't be read"):
         read_spectrum_csv(tmp_path / "none.csv")

@@ -91,7 +91,11 @@ class MaterialTable(Table):
 
 
 class LightFile(SpectrumFile):
-    """A measured spectral power distribution in a CSV file, per nm."""
+    """A measured spectral power distribution in a CSV file, per nm.
+
+    A row that begins with the word line, as in ``line, 546.07, 12.3``, is a narrow spectral line: its wavelength in nm
+    and its whole power, in the unit of the table times nm. A file may hold such rows only.
+    """
 
     outside: Literal["zero", "hold", "refuse"] = Field(
         "zero",
