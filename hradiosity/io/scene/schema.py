@@ -4,7 +4,7 @@ from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag
 
-from hradiosity.io.scene.schema_base import Name, Number, Positive, Table
+from hradiosity.io.scene.schema_base import Name, Positive, Table
 from hradiosity.io.scene.schema_light import LuminaireTable, MaterialTable, SkyTable
 from hradiosity.io.scene.schema_sensors import SensorTable, ViewTable
 from hradiosity.io.scene.schema_surfaces import (
@@ -29,13 +29,15 @@ class UniformBands(Table):
 class EdgeBands(Table):
     """Neighbouring bands of any width."""
 
-    edges: list[Number] = Field(min_length=2, description="edges [nm], ascending: one more than there are bands")
+    edges: list[Positive] = Field(min_length=2, description="edges [nm], ascending: one more than there are bands")
 
 
 class RangeBands(Table):
     """Separate bands."""
 
-    ranges: list[tuple[Number, Number]] = Field(min_length=1, description="[from nm, to nm] of each band, ascending")
+    ranges: list[tuple[Positive, Positive]] = Field(
+        min_length=1, description="[from nm, to nm] of each band, ascending"
+    )
 
 
 def _bands_tag(value: Any) -> str | None:

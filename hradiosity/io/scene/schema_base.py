@@ -12,7 +12,8 @@ class Table(BaseModel):
     model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, str_strip_whitespace=True)
 
 
-def _three_numbers(value: Any) -> Any:
+def three_numbers(value: Any) -> Any:
+    """Refuse anything but a list of three, in words of the manual."""
     if not isinstance(value, list) or len(value) != 3:
         raise PydanticCustomError("vector", "three numbers in brackets are needed, [x, y, z]")
     return value
@@ -24,8 +25,15 @@ LARGEST = 1e9
 Number = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST)]
 Count = Annotated[int, Strict(), Field(ge=1, le=100_000)]
 Positive = Annotated[float, Strict(), Field(gt=0, le=LARGEST)]
-Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(_three_numbers)]
+Share = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST, json_schema_extra={"minimum": 0, "maximum": 1})]
+"""A number whose bounds 0 … 1 stand in the JSON Schema, but are checked later, in words that tell percent apart."""
+Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(three_numbers)]
 Name = Annotated[str, Strict(), Field(min_length=1)]
+
+
+def one_of(*keys: str) -> ConfigDict:
+    """Configuration of a table of which `exactly_one` of the keys must be given: its JSON Schema says so too."""
+    return ConfigDict(json_schema_extra={"oneOf": [{"required": [key]} for key in keys]})
 
 
 def exactly_one(table: BaseModel, *keys: str) -> str:

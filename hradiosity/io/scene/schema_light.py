@@ -2,9 +2,9 @@
 
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, model_validator
+from pydantic import BeforeValidator, Discriminator, Field, Tag, model_validator
 
-from hradiosity.io.scene.schema_base import Name, Number, Positive, Table, Vector, exactly_one
+from hradiosity.io.scene.schema_base import Name, Number, Positive, Share, Table, exactly_one, one_of, three_numbers
 from hradiosity.metrics.upsampling import Upsampling
 
 
@@ -37,7 +37,7 @@ class ReflectanceLibrary(Table):
 class ReflectanceSteps(Table):
     """A reflectance that is constant between stated wavelengths."""
 
-    steps: list[tuple[Number, Number, Number]] = Field(
+    steps: list[tuple[Number, Number, Share]] = Field(
         min_length=1,
         description="[from nm, to nm, reflectance] rows, ascending, each starting where the last one ends; the first "
         "and last value hold beyond",
@@ -47,7 +47,9 @@ class ReflectanceSteps(Table):
 class ReflectanceColour(Table):
     """A reflectance guessed from a colour: not measured, and reported so."""
 
-    rgb: Vector = Field(description="linear sRGB (not gamma-encoded), each 0 … 1")
+    rgb: Annotated[tuple[Share, Share, Share], BeforeValidator(three_numbers)] = Field(
+        description="linear sRGB (not gamma-encoded), each 0 … 1"
+    )
     upsample: Upsampling = Field(
         description="how the spectrum is guessed; must be named because a colour has no one spectrum. "
         "'mallett2019': Mallett and Yuksel 2019, smooth, has exactly the colour under D65; "
@@ -65,7 +67,7 @@ def _reflectance_tag(value: Any) -> str | None:
 
 
 Reflectance = Annotated[
-    Annotated[Number, Tag("<number>")]
+    Annotated[Share, Tag("<number>")]
     | Annotated[ReflectanceFile, Tag("<file>")]
     | Annotated[ReflectanceLibrary, Tag("<library>")]
     | Annotated[ReflectanceSteps, Tag("<steps>")]
@@ -164,6 +166,8 @@ AMOUNTS = ("luminous_flux_lm", "luminous_exitance_lm_m2", "radiant_flux_W", "rad
 class LuminaireTable(Table):
     """A kind of lamp: the shape of its spectrum, and one key that says how much light it gives."""
 
+    model_config = one_of(*AMOUNTS)
+
     spectrum: LightSpectrum = Field(
         description="spectral shape: a table with illuminant, file, blackbody_K, lines or constant"
     )
@@ -198,6 +202,8 @@ class LuminaireTable(Table):
 
 class SkyTable(Table):
     """Light from outside: a sky of the same radiance in all directions above the horizon, black ground below."""
+
+    model_config = one_of("luminance_cd_m2", "illuminance_lx")
 
     kind: Literal["uniform"] = Field(description="'uniform' is the only sky that is simulated")
     spectrum: LightSpectrum = Field(description="spectral shape, as for a luminaire")

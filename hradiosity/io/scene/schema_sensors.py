@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one
+from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one, one_of
 from hradiosity.io.scene.schema_surfaces import BoxFace
 
 _NAME = "name, as it appears in readings.csv"
@@ -12,6 +12,8 @@ _NAME = "name, as it appears in readings.csv"
 
 class PointsSensor(Table):
     """Single points, each with the direction that its receiving plane faces."""
+
+    model_config = one_of("normal", "normals")
 
     name: Name = Field(description=_NAME)
     kind: Literal["points"]
@@ -43,6 +45,8 @@ class GridSensor(Table):
 class SurfaceSensor(Table):
     """Points spread over the faces of an object, facing away from it."""
 
+    model_config = one_of("counts", "spacing")
+
     name: Name = Field(description=_NAME)
     kind: Literal["surface"]
     object: Name = Field(description="name of an object; of a mesh, one of its objects '<mesh>/<object>' or all of it")
@@ -62,6 +66,8 @@ class SurfaceSensor(Table):
 
 class EyeSensor(Table):
     """Eyes: light on the plane at the eye that is perpendicular to the gaze (vertical illuminance when it is level)."""
+
+    model_config = one_of("gaze", "gazes", "target")
 
     name: Name = Field(description=_NAME)
     kind: Literal["eye"]
@@ -84,6 +90,8 @@ SensorTable = Annotated[PointsSensor | GridSensor | SurfaceSensor | EyeSensor, F
 
 class ViewTable(Table):
     """A camera; its pictures are written by `render`."""
+
+    model_config = one_of("target", "direction")
 
     name: Name = Field(description="name, also of the picture files")
     position: Vector = Field(description="place of the camera [scene unit]")

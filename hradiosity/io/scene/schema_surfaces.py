@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one
+from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one, one_of
 
 LengthUnit = Literal["m", "cm", "mm", "in", "ft"]
 UpAxis = Literal["z", "y"]
@@ -49,6 +49,8 @@ class BoxTable(Table):
     Faces are named in the frame of the box, before it is turned, with z up: left −x, right +x, front −y, back +y,
     bottom −z, top +z (with y up: left −x, right +x, front +z, back −z, bottom −y, top +y).
     """
+
+    model_config = one_of("corner", "centre")
 
     name: Name | None = Field(None, description="name of the object; 'box-<n>' if left out")
     corner: Vector | None = Field(
