@@ -17,6 +17,7 @@ from hradiosity.io.mesh.clean import clean
 from hradiosity.io.mesh.gltf import read_gltf
 from hradiosity.io.mesh.obj import read_obj
 from hradiosity.io.mesh.raw import PartLabel, RawMesh, triangulate_faces
+from hradiosity.io.mesh.worker import load
 from hradiosity.io.meshes import SUFFIXES, read_mesh
 from hradiosity.model.meshing import merge_triangles
 
@@ -268,7 +269,8 @@ def test_faces_of_many_corners_are_cut_inside_their_outline():
         ("gone.obj", None, "not found"),
         ("chair.blend", "x", "unknown mesh format '.blend'; one of .obj, .gltf"),
         ("empty.ply", "", "empty"),
-        ("noise.obj", bytes(range(256)) * 4, "no faces"),
+        ("noise.obj", bytes(range(256)) * 4, "begins with the bytes 00 01 02 03 04 05 06 07; an OBJ file: text with"),
+        ("lines.obj", "v 0 0 0\nv 1 0 0\nl 1 2\n", "no faces"),
         ("noise.glb", b"glTF" + bytes(range(200)), "damaged glTF"),
         ("noise.stl", bytes(range(256)) * 4, "noise.stl"),
         ("letters.obj", "v 0 0 0\nv 1 zero 0\nf 1 2 9\n", "line 2: .*\n.*line 3: "),
@@ -281,6 +283,71 @@ def test_unreadable_files_are_faults_of_the_file(tmp_path, name, content, messag
         write(tmp_path, name, content)
     with pytest.raises(SceneError, match=message):
         read_mesh(path, "m", "z")
+
+
+HTML = b"\n<!DOCTYPE html>\n<html><head><title>404</title></head></html>\n"
+ASCII_STL = (
+    "solid x\n"
+    + "".join(
+        "facet normal 0 0 1\nouter loop\n"
+        + "".join(f"vertex {x} {y} {z}\n" for x, y, z in QUAD[triangle])
+        + "endloop\nendfacet\n"
+        for triangle in TWO
+    )
+    + "endsolid x\n"
+).encode()
+BINARY_PLY = (
+    as_ply(QUAD, TWO).partition("end_header\n")[0].replace("ascii", "binary_little_endian").encode()
+    + b"end_header\n"
+    + QUAD.astype("<f4").tobytes()
+    + b"".join(struct.pack("<B3i", 3, *triangle) for triangle in TWO.tolist())
+)
+
+
+@pytest.mark.parametrize("suffix", SUFFIXES)
+@pytest.mark.parametrize(
+    ("content", "found"),
+    [
+        (HTML, "the content is an HTML page"),
+        (b"\x89PNG\r\n\x1a\n" + bytes(900), "the content is a PNG picture"),
+        (b"version https://git-lfs.github.com/spec/v1\noid sha256:0\n", "git lfs pull"),
+        (b"hello world\n", "the content begins with 'hello world'"),
+        (np.random.default_rng(1).bytes(3000), "the content begins with the bytes"),
+    ],
+    ids=["html", "png", "lfs", "text", "garbage"],
+)
+def test_content_of_another_kind_is_named(tmp_path, suffix, content, found):
+    with pytest.raises(SceneError) as caught:
+        load(write(tmp_path, "mesh" + suffix, content))
+    (fault,) = caught.value.faults
+    assert found in fault.found
+    assert {".obj": "OBJ", ".ply": "'ply'", ".stl": "STL"}.get(suffix, "'glTF'") in fault.expected
+
+
+@pytest.mark.parametrize("share", [0.99, 0.9, 0.7, 0.5, 0.2, 0.05])
+@pytest.mark.parametrize(
+    ("suffix", "content"),
+    [
+        (".ply", as_ply(QUAD, TWO).encode().rstrip()),
+        (".ply", BINARY_PLY),
+        (".stl", as_stl(QUAD, TWO)),
+        (".stl", ASCII_STL),
+        (".glb", as_glb(*gltf_document([{"mesh": 0}]))),
+        (".gltf", as_gltf(*gltf_document([{"mesh": 0}])).encode()),
+    ],
+    ids=["ascii.ply", "binary.ply", "binary.stl", "ascii.stl", "glb", "gltf"],
+)
+def test_no_cut_file_passes_for_a_whole_one(tmp_path, suffix, content, share):
+    """Half a mesh is a fault that says so, in our words, and never fewer faces or a crash."""
+    assert len(load(write(tmp_path, "whole" + suffix, content)).triangles) == 2
+    length = min(int(share * len(content)), len(content) - 1)
+    if suffix == ".stl" and content is ASCII_STL:
+        length = min(length, content.index(b"endsolid"))
+    with pytest.raises(SceneError) as caught:
+        load(write(tmp_path, "cut" + suffix, content[:length]))
+    text = str(caught.value)
+    assert any(word in text for word in ("are there", "breaks off", "does not end", "is missing", "begins with")), text
+    assert "Error" not in text
 
 
 def test_hanging_reader_is_given_up(tmp_path):

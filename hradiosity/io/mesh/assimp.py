@@ -25,7 +25,7 @@ def read_with_assimp(path: Path) -> RawMesh:
         scene = assimp_py.import_file(str(path), assimp_py.Process_Triangulate)
     except (RuntimeError, ValueError) as error:
         cause = str(error).removeprefix(f"Assimp error loading '{path}': ")
-        raise SceneError([Fault(str(path), "", f"can't be read ({cause})", "export it again")]) from error
+        raise SceneError([Fault(str(path), "", f"the faces can't be read ({cause})", "export it again")]) from error
     vertices: list[NDArray[np.float64]] = [np.empty((0, 3))]
     triangles: list[NDArray[np.int64]] = [np.empty((0, 3), dtype=np.int64)]
     count = 0

@@ -88,9 +88,23 @@ def read_gltf(path: Path) -> RawMesh:
         for node in _root_nodes(document):
             _walk(document, node, np.eye(4), 0)
     except _DAMAGE as error:
-        cause = str(error) if isinstance(error, _Damaged) else f"{type(error).__name__}: {error}"
-        raise SceneError([Fault(str(path), "", f"damaged glTF ({cause})", "export it again")]) from error
+        raise SceneError([Fault(str(path), "", f"damaged glTF ({_cause(error)})", "export it again")]) from error
     return _assemble(document)
+
+
+def _cause(error: Exception) -> str:
+    """What is wrong with the file, in words that need no knowledge of the program."""
+    if isinstance(error, _Damaged):
+        return str(error)
+    if isinstance(error, json.JSONDecodeError):
+        return f"the JSON breaks off or is wrong at line {error.lineno}, column {error.colno}"
+    if isinstance(error, UnicodeDecodeError):
+        return f"the JSON is not UTF-8 text at byte {error.start}"
+    if isinstance(error, KeyError):
+        return f"an entry {error.args[0]!r} is missing or its value is unknown"
+    if isinstance(error, struct.error):
+        return "it ends early"
+    return "an entry has a type or value that glTF does not allow"
 
 
 def _open(path: Path) -> _Document:

@@ -33,12 +33,18 @@ class _Parser:
     material: str = ""
 
     def vertex(self, text: str) -> None:
-        x, y, z = text.split(maxsplit=3)[:3]
-        self.vertices.append((float(x), float(y), float(z)))
+        try:
+            x, y, z = text.split(maxsplit=3)[:3]
+            self.vertices.append((float(x), float(y), float(z)))
+        except ValueError:
+            raise ValueError("a vertex needs three numbers") from None
 
     def face(self, text: str) -> None:
         n = len(self.vertices)
-        corners = [int(word.partition("/")[0]) for word in text.split()]
+        try:
+            corners = [int(word.partition("/")[0]) for word in text.split()]
+        except ValueError:
+            raise ValueError("corners are whole numbers of vertices") from None
         corners = [number - 1 if number > 0 else n + number for number in corners]
         if len(corners) < 3:
             raise ValueError("a face needs three corners")

@@ -18,6 +18,7 @@ from hradiosity.io.mesh.clean import clean
 from hradiosity.io.mesh.gltf import read_gltf
 from hradiosity.io.mesh.obj import read_obj
 from hradiosity.io.mesh.raw import RawMesh
+from hradiosity.io.mesh.recognise import check_content
 
 READERS: Final[dict[str, Callable[[Path], RawMesh]]] = {
     ".obj": read_obj,
@@ -41,6 +42,7 @@ def load(path: Path) -> RawMesh:
         When the file can't be read or holds nothing usable.
     """
     try:
+        check_content(path)
         mesh = READERS[path.suffix.lower()](path)
     except OSError as error:
         raise SceneError([Fault(str(path), "", f"can't be opened ({error.strerror})", "a readable file")]) from error
