@@ -99,6 +99,8 @@ class Plan:
     n_bands, n_patches, n_emitters, n_readings : sizes of the scene
     element_size : edge of a row element [m]
     n_elements : number of row elements
+    elements_asked : number of them that was asked for; 0 if their edge was
+    size_bound : why there are more or fewer than that, in words; empty if there is no reason but rounding
     rays_per_element, light_points, light_samples, gather_samples, replicates : samples of each kind, per replicate
     occlusion : whether shadow rays are traced
     interreflection : whether reflected light is computed
@@ -114,6 +116,8 @@ class Plan:
     n_readings: int
     element_size: float
     n_elements: int
+    elements_asked: int
+    size_bound: str
     rays_per_element: int
     light_points: int
     light_samples: int
@@ -135,5 +139,8 @@ class Plan:
             f"about {rays / 1e6:.2g} million rays and as many towards the lamps, in {self.replicates} replicates; "
             f"{self.memory_bytes / 2**20:.0f} MiB",
         ]
+        if self.size_bound:
+            counts = f"{self.elements_asked} asked for, {self.n_elements} made"
+            out.append(f"elements: {counts}: {self.size_bound}; --element-size forces it")
         known = "not measured on this device yet" if self.seconds is None else f"about {self.seconds:.2g} s"
         return [*out, f"time: {known}"]

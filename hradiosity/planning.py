@@ -96,9 +96,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibr
     occlusion = _occlusion(scene, options)
     interreflection = _interreflection(scene, options)
     area = float(np.einsum("p,ps->", scene.patches.area, lit.lit)) if len(scene.patches) else 0.0
-    size = options.element_size or float(
-        np.clip(np.sqrt(area / options.elements), LEAST_SHARE * lit.free_path, LARGEST_SHARE * lit.free_path)
-    )
+    size, size_bound = _element_size(area, options, lit.free_path)
     n_elements = _elements_of(area, size) + int(lit.lit.sum())
     n_readings = sum(len(s.position) for s in scene.sensors)
     replicates = options.replicates
@@ -118,6 +116,8 @@ def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibr
         n_readings=n_readings,
         element_size=size,
         n_elements=n_elements,
+        elements_asked=options.elements if options.element_size is None else 0,
+        size_bound=size_bound,
         rays_per_element=max(16, -(-options.rays_per_element // replicates)),
         light_points=-(-options.light_points // replicates),
         light_samples=-(-options.light_samples // replicates),
@@ -129,6 +129,18 @@ def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibr
         seconds=None,
     )
     return sized(plan, n_elements, calibration)
+
+
+def _element_size(area: float, options: Options, free_path: float) -> tuple[float, str]:
+    """Edge of a row element [m], and in words what keeps it from giving the number of elements asked for."""
+    if options.element_size is not None:
+        return options.element_size, ""
+    size = float(np.sqrt(area / options.elements))
+    if size < LEAST_SHARE * free_path:
+        return LEAST_SHARE * free_path, f"cells no smaller than {100 * LEAST_SHARE:g} % of the mean free path"
+    if size > LARGEST_SHARE * free_path:
+        return LARGEST_SHARE * free_path, f"cells no larger than {100 * LARGEST_SHARE:g} % of the mean free path"
+    return size, ""
 
 
 def _elements_of(area: float, size: float) -> int:

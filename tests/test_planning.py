@@ -7,8 +7,10 @@ import pytest
 from rooms import SceneBuilder, cube
 
 from hradiosity.model.scene import Scene, Sky
-from hradiosity.planning import spectral_columns
+from hradiosity.options import Options
+from hradiosity.planning import make_plan, spectral_columns
 from hradiosity.reference.radiosity import solve_dense
+from hradiosity.space.lit_sides import LitSides
 
 BANDS = 12
 
@@ -138,3 +140,31 @@ def test_reflectance_ends_with_the_black_back():
     scene = cube(0.5, bands=BANDS).scene()
     columns = spectral_columns(replace(scene, luminaires=room([0.5], spectra(1, 1)).luminaires))
     assert not columns.reflectance[-1].any() and len(columns.reflectance) == len(scene.materials) + 1
+
+
+def lit_cube(scene, free_path=2 / 3) -> LitSides:
+    """Fronts lit, backs dark; the mean free path of a unit cube is 4V/S = 2/3 m."""
+    lit = np.tile([True, False], (len(scene.patches), 1))
+    space = np.where(lit, 0, -1).astype(np.int32)
+    return LitSides(lit=lit, space=space, open=np.zeros(1, bool), free_path=free_path)
+
+
+@pytest.mark.parametrize(
+    ("elements", "edge", "bound"), [(1, 0.2, "no larger than 20 %"), (20000, 0.05, "no smaller than 5 %")]
+)
+def test_a_number_of_elements_that_is_not_kept_is_explained(elements, edge, bound):
+    scene = cube(0.5, bands=BANDS).scene()
+    plan = make_plan(scene, Options(elements=elements), lit_cube(scene))
+    assert plan.element_size == pytest.approx(edge * 2 / 3)
+    (line,) = [line for line in plan.lines() if line.startswith("elements:")]
+    assert line.startswith(f"elements: {elements} asked for, {plan.n_elements} made: cells {bound}")
+    assert "--element-size" in line
+
+
+@pytest.mark.parametrize("options", [Options(elements=2000), Options(element_size=0.01), Options(element_size=0.4)])
+def test_a_size_within_bounds_or_forced_needs_no_word(options):
+    scene = cube(0.5, bands=BANDS).scene()
+    plan = make_plan(scene, options, lit_cube(scene))
+    assert not [line for line in plan.lines() if line.startswith("elements:")]
+    if options.element_size:
+        assert plan.element_size == options.element_size
