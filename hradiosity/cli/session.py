@@ -20,6 +20,7 @@ from hradiosity.errors import OutputError
 from hradiosity.io import calibration
 from hradiosity.io.checkpoint import load_checkpoint, run_digest, save_checkpoint
 from hradiosity.io.output_folder import close_partial, open_partial, partial_of, publish
+from hradiosity.io.output_lock import locked
 from hradiosity.io.results import write_results, write_run
 from hradiosity.io.run_record import plan_record, sensor_record
 from hradiosity.io.scene_toml import load_scene
@@ -57,16 +58,17 @@ def run(request: Request) -> int:
     scene = load_scene(request.scene)
     reading = time.perf_counter() - start
     out = request.out.resolve()
-    partial = open_partial(out, keep=request.resume)
-    session: _Session | None = None
-    try:
-        with termination_interrupts():
-            session = _Session(request, scene, out, partial)
-            session.seconds["reading the scene"] = reading
-            return session.run()
-    finally:
-        if session is None or session.nothing_known:
-            close_partial(out)
+    with locked(out):
+        partial = open_partial(out, keep=request.resume)
+        session: _Session | None = None
+        try:
+            with termination_interrupts():
+                session = _Session(request, scene, out, partial)
+                session.seconds["reading the scene"] = reading
+                return session.run()
+        finally:
+            if session is None or session.nothing_known:
+                close_partial(out)
 
 
 class _Session:
@@ -76,7 +78,7 @@ class _Session:
         self.request, self.scene, self.out, self.partial = request, scene, out, partial
         self.seconds: dict[str, float] = {}
         self._device = Device(request.device)
-        measured = calibration.load_calibration(self._device.description)
+        measured = calibration.load_calibration(self._device.description, request.options.mode)
         self._known_builds = calibration.load_builds(self._device.description)
         self._solver = make_solver(scene, request.options, self._device, measured)
         self._display: Display = open_display(

@@ -1,7 +1,7 @@
 """The folder of a run: written beside the earlier result and swapped in at the end, so that nothing is ever half there.
 
 A run writes to ``OUT.partial``. At the end ``OUT`` becomes ``OUT.old``, ``OUT.partial`` becomes ``OUT``, and the old
-one is deleted; `recover` puts right whatever an interruption in between leaves.
+one is deleted; `recover` puts right whatever an interruption in between leaves. `output_lock` keeps a second run away.
 """
 
 from __future__ import annotations

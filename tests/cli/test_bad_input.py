@@ -1,5 +1,6 @@
 """Mistakes of the user: exit status 2, file and entry named, all at once, no traceback."""
 
+import os
 from pathlib import Path
 
 import pytest
@@ -7,6 +8,7 @@ from cli_room import QUICK, ROOM
 
 from hradiosity.cli import session
 from hradiosity.errors import OutputError
+from hradiosity.io.output_lock import locked
 
 POINT = '[[sensor]]\nname = "s"\nkind = "points"\npositions = [[1, 1, 1]]\n'
 MESH = '[[mesh]]\nname = "thing"\nfile = "thing.obj"\nunit = "m"\nup = "z"\nmaterials = { "grey" = "wall" }\n'
@@ -169,3 +171,12 @@ def test_disk_with_room_for_a_checkpoint_only(room, call, tmp_path, monkeypatch)
     assert again.code == 0
     assert "going on from replicate 4" in again.out
     assert not (tmp_path / "out.partial").exists()
+
+
+def test_a_second_run_into_one_folder_is_refused(room, call, tmp_path):
+    with locked(tmp_path / "out"):
+        outcome = call("render", room, "-o", tmp_path / "out", *QUICK)
+    assert outcome.code == 2
+    assert f"another run (process {os.getpid()} on " in outcome.err and "wait until it has ended" in outcome.err
+    assert call("render", room, "-o", tmp_path / "out", *QUICK).code == 0
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "room"]
