@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass
 from typing import Final
 
@@ -57,6 +58,10 @@ class Hemicube:
     item_of_cell : (n_cells,) uint32, optional
         What the pixels are counted for; the row elements if left out. Items are numbered from 0.
 
+    Attributes
+    ----------
+    drawn, seconds : hemicubes drawn so far, and the wall seconds that it took
+
     Raises
     ------
     ValueError
@@ -80,6 +85,7 @@ class Hemicube:
             raise DeviceError(f"hemicubes need double precision, which {device.info.name} lacks; use another device")
         items = elements.cell_row if item_of_cell is None else item_of_cell
         self.resolution = resolution
+        self.drawn, self.seconds = 0, 0.0
         self.n_items = int(items.max(initial=0)) + 1
         self.batch = int(np.clip(BUFFER_BYTES // (24 * resolution**2), 1, LARGEST_BATCH))
         self._device, self._scene = device, scene
@@ -114,7 +120,7 @@ class Hemicube:
         own_patch : scalar or (n,) int
             Patch on which the point lies, which it does not see; NONE for none.
         """
-        n = len(position)
+        start, n = time.perf_counter(), len(position)
         own = np.broadcast_to(np.asarray(own_patch, np.int64) & NONE, (n,)).astype(np.uint32)
         parts = [csr_array((0, self.n_items), dtype=np.float32)]
         outcomes = [np.zeros((0, _OUTCOMES))]
@@ -124,6 +130,7 @@ class Hemicube:
             parts.append(csr_array(dense[:, : self.n_items]))
             outcomes.append(dense[:, self.n_items :].astype(np.float64))
         rest = np.concatenate(outcomes)
+        self.drawn, self.seconds = self.drawn + n, self.seconds + time.perf_counter() - start
         return Views(csr_array(vstack(parts, format="csr")), rest[:, 0], rest[:, 1], rest[:, 2], rest[:, 3])
 
     def _draw(

@@ -1,0 +1,70 @@
+"""Form factors by the contour integral: the reference for accuracy (Stokes; Mitalas & Stephenson 1966).
+
+Both polygons are cut to what they see of each other, so that no cosine changes sign. Of each pair of edges the inner
+integral is closed; the outer one runs over the shorter edge. Parallel edges have a closed double integral; of others,
+those far apart take Gauss points, and those that touch or nearly do take double-exponential points between the places
+where one edge begins, ends or passes the other.
+"""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+
+from hradiosity.transport.form_factor.pairs import Estimate, Pairs
+from hradiosity.transport.form_factor.quadrature import double_exponential, gauss
+
+LEVELS: Final = ((8, 4, 0.5, 1e-6), (16, 8, 0.25, 1e-12), (16, 8, 0.125, 1e-12), (16, 8, 0.0625, 1e-12))
+"""Gauss points on edges half a length apart and 1.5 lengths apart, step of the double-exponential rule, and relative
+error of the Gauss rules: their ellipse of convergence gives less than that."""
+
+
+def contour_exchange(pairs: Pairs, tolerance: float) -> Estimate:
+    """A F of pairs, refined until the error estimate is below `tolerance` of the value.
+
+    Parameters
+    ----------
+    pairs : Pairs
+    tolerance : float
+        Relative. The rounding error, about 1e-15 of the product of the polygons' perimeters, is not refined away; it
+        is in the estimate.
+    """
+    start = 0 if tolerance >= 1e-5 else 1
+    result = _at_level(pairs, start)
+    for level in range(start + 1, len(LEVELS)):
+        open_ = np.flatnonzero(result.error > tolerance * result.exchange)
+        if len(open_) == 0:
+            break
+        finer = _at_level(pairs.subset(open_), level)
+        better = finer.error < result.error[open_]
+        result.exchange[open_[better]] = finer.exchange[better]
+        result.error[open_[better]] = finer.error[better]
+    return result
+
+
+def _at_level(pairs: Pairs, level: int) -> Estimate:
+    near, far, step, near_error = LEVELS[level]
+    rules = [_lower_half(near), _lower_half(far), double_exponential(step)]
+    node, weight = (np.concatenate(column) for column in zip(*rules))
+    device = pairs.device
+    exchange, error = pairs.results()
+    device.kernel("pair_contour", "contour_exchange", **pairs.corner_definitions)(
+        len(pairs),
+        **pairs.polygon_arguments,
+        **pairs.pair_arguments,
+        rule_node=device.upload(node),
+        rule_weight=device.upload(weight),
+        n_near=len(rules[0][0]),
+        n_far=len(rules[1][0]),
+        n_fine=len(rules[2][0]),
+        near_error=near_error,
+        exchange=exchange,
+        error=error,
+    )
+    return pairs.estimate(exchange, error)
+
+
+def _lower_half(order: int) -> tuple[np.ndarray, np.ndarray]:
+    node, weight = gauss(order)
+    return node[: order // 2], weight[: order // 2]

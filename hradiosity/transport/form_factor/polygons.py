@@ -1,0 +1,148 @@
+"""Planar convex polygons as form factors take them: checked, in float64, with what every method asks of them."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+MOST_CORNERS: Final = 32
+"""Kernels hold both polygons of a pair in private arrays of this length at most."""
+_BENT: Final = 1e-6
+"""Distance from the mean plane, or from the inside of an edge, relative to the size, that still counts as 0."""
+_NO_AREA: Final = 1e-12
+"""Area relative to the squared size that counts as 0."""
+_ROUNDING: Final = 8 * float(np.finfo(np.float64).eps)
+"""Far from the world's origin corners are rounded by this share of their coordinates."""
+
+
+@dataclass(frozen=True)
+class PolygonSet:
+    """Polygons of up to k corners.
+
+    corners : (n, k, 3) float64 [m], relative to `local_origin`, counter-clockwise seen from the front; polygons of
+        fewer corners repeat their last one
+    count : (n,) uint32, corners of each
+    normal : (n, 3) float64, unit
+    centre : (n, 3) float64 [m], centroid of the area, relative to `local_origin`
+    area : (n,) float64 [m²]
+    radius : (n,) float64 [m], of the sphere about the centroid that holds the polygon
+    local_origin : (3,) float64 [m]
+    """
+
+    corners: NDArray[np.float64]
+    count: NDArray[np.uint32]
+    normal: NDArray[np.float64]
+    centre: NDArray[np.float64]
+    area: NDArray[np.float64]
+    radius: NDArray[np.float64]
+    local_origin: NDArray[np.float64]
+
+    def __len__(self) -> int:
+        return len(self.corners)
+
+
+def stack_corners(polygons: ArrayLike | Sequence[ArrayLike], name: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
+    """Corners (n, k, 3) and their number (n,) of one polygon (k, 3), equal ones (n, k, 3), or a list of any.
+
+    Raises
+    ------
+    ValueError
+        Shapes that are no polygons, fewer than three corners, more than `MOST_CORNERS`, or coordinates that are not
+        finite; names the polygon as ``name[index]``.
+    """
+    if isinstance(polygons, np.ndarray) and polygons.ndim in (2, 3):
+        single = polygons.ndim == 2
+        rows = [np.asarray(polygons, np.float64)] if single else list(np.asarray(polygons, np.float64))
+    else:
+        listed: Sequence[Any] = polygons  # type: ignore[assignment]
+        single = len(listed) > 0 and np.ndim(listed[0]) == 1
+        rows = [_float_array(listed, name)] if single else [_float_array(p, f"{name}[{i}]") for i, p in enumerate(listed)]
+    for i, row in enumerate(rows):
+        label = name if single else f"{name}[{i}]"
+        if row.ndim != 2 or row.shape[1] != 3:
+            raise ValueError(f"{label}: corners must have the shape (k, 3), have {row.shape}")
+        if not 3 <= len(row) <= MOST_CORNERS:
+            raise ValueError(f"{label}: a polygon needs 3 to {MOST_CORNERS} corners, has {len(row)}")
+        if not np.isfinite(row).all():
+            raise ValueError(f"{label}: coordinates must be finite")
+    count = np.array([len(row) for row in rows], np.uint32)
+    most = int(count.max(initial=3))
+    corners = np.zeros((len(rows), most, 3))
+    for i, row in enumerate(rows):
+        corners[i] = row[np.minimum(np.arange(most), len(row) - 1)]
+    return corners, count
+
+
+def _float_array(polygon: ArrayLike, label: str) -> NDArray[np.float64]:
+    try:
+        return np.asarray(polygon, np.float64)
+    except (TypeError, ValueError):
+        raise ValueError(f"{label}: corners must be rows of three numbers") from None
+
+
+def polygon_set(
+    corners: NDArray[np.float64], count: NDArray[Any], labels: Sequence[str], local_origin: NDArray[np.float64]
+) -> PolygonSet:
+    """Check polygons and derive area, normal and centroid.
+
+    Parameters
+    ----------
+    corners : (n, k, 3) float64 [m], world frame
+    count : (n,) corners that count
+    labels : how messages call each polygon
+    local_origin : (3,) [m]
+
+    Raises
+    ------
+    ValueError
+        A polygon without area, not plane, or not convex.
+    """
+    local = corners - local_origin
+    middle = local.mean(axis=1, keepdims=True)
+    about = local - middle
+    after = np.roll(about, -1, axis=1)
+    area_vector = 0.5 * np.cross(about, after).sum(axis=1)
+    area = np.linalg.norm(area_vector, axis=1)
+    size = np.linalg.norm(about, axis=2).max(axis=1, initial=0.0)
+    flat = ~(area > _NO_AREA * size**2)
+    _refuse(flat, labels, "has no area: its corners lie on a line, coincide, or its edges cross")
+    normal = area_vector / area[:, None]
+    rounding = _ROUNDING * np.abs(corners).max(axis=(1, 2), initial=0.0)
+    slack = _BENT * size + rounding
+    bent = np.abs(np.einsum("nkd,nd->nk", about, normal)).max(axis=1, initial=0.0) > slack
+    _refuse(bent, labels, "is not plane: cut it into triangles")
+    _refuse(_dented(about, after, normal, slack), labels, "is not convex: cut it into convex pieces")
+    centre = middle[:, 0] + _centroid(about, normal)
+    radius = np.linalg.norm(local - centre[:, None], axis=2).max(axis=1, initial=0.0)
+    return PolygonSet(local, count.astype(np.uint32), normal, centre, area, radius, local_origin)
+
+
+def _refuse(bad: NDArray[np.bool_], labels: Sequence[str], why: str) -> None:
+    if bad.any():
+        raise ValueError(f"{labels[int(np.flatnonzero(bad)[0])]} {why}")
+
+
+def _dented(
+    about: NDArray[np.float64], after: NDArray[np.float64], normal: NDArray[np.float64], slack: NDArray[np.float64]
+) -> NDArray[np.bool_]:
+    """Whether some corner lies outside of some edge."""
+    side = after - about
+    length = np.linalg.norm(side, axis=2, keepdims=True)
+    inward = np.cross(normal[:, None], np.divide(side, length, out=np.zeros_like(side), where=length > 0.0))
+    depth = np.einsum("ned,nkd->nek", inward, about) - np.einsum("ned,ned->ne", inward, about)[..., None]
+    outside: NDArray[np.bool_] = depth.min(axis=(1, 2), initial=0.0) < -slack
+    return outside
+
+
+def _centroid(about: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Centroids of the area, from a fan of triangles about the first corner."""
+    first = about[:, :1]
+    one, other = about[:, 1:-1] - first, about[:, 2:] - first
+    weight = np.einsum("nkd,nd->nk", np.cross(one, other), normal)
+    weight /= weight.sum(axis=1, keepdims=True)
+    centroid: NDArray[np.float64] = first[:, 0] + np.einsum("nk,nkd->nd", weight, one + other) / 3.0
+    return centroid

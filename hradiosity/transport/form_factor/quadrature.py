@@ -1,0 +1,72 @@
+"""Quadrature rules that the kernels of form factors take as arrays."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.transport.form_factor.polygons import PolygonSet
+
+
+def gauss(order: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Nodes and weights of Gauss–Legendre quadrature on [0, 1]."""
+    x, w = np.polynomial.legendre.leggauss(order)
+    return 0.5 + 0.5 * x, 0.5 * w
+
+
+def double_exponential(step: float, reach: float = 3.0) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Lower half of the double-exponential rule on [0, 1] (Takahasi & Mori 1974), symmetric about 1/2.
+
+    ``x = 1 / (1 + exp(π sinh t))`` at multiples t of the step, so that x keeps its digits next to 0; the node 1/2
+    comes first with half its weight, since kernels use each node and its mirror image. Every second node, starting
+    with the first, makes the rule of twice the step when its sum is doubled.
+
+    Parameters
+    ----------
+    step : float
+        In t.
+    reach : float
+        Largest t; the weights beyond it are below 1e-12 at 3.
+    """
+    t = np.arange(0.0, reach + 0.5 * step, step)
+    node = 1.0 / (1.0 + np.exp(np.pi * np.sinh(t)))
+    weight = step * np.pi * np.cosh(t) * node * (1.0 - node)
+    weight[0] *= 0.5
+    return node, weight
+
+
+@dataclass(frozen=True)
+class SurfaceRule:
+    """Weighted points on each polygon.
+
+    point : (n, 4, p) float64: x, y, z [m], local frame, and weight [m²]; p a multiple of 4, filled with weight 0
+    """
+
+    point: NDArray[np.float64]
+
+
+def surface_rule(polygons: PolygonSet, order: int) -> SurfaceRule:
+    """``order × order`` Gauss points on each quadrilateral of a fan about the first corner.
+
+    Quadrilaterals are mapped bilinearly; a triangle is one with two corners in one place, which makes it Duffy's map.
+    """
+    corners = polygons.corners
+    k = corners.shape[1]
+    node, weight = gauss(order)
+    u, v = (grid.ravel() for grid in np.meshgrid(node, node, indexing="ij"))
+    share = np.outer(weight, weight).ravel()
+    parts = []
+    for second in range(1, k - 1, 2):
+        p0, p1, p2 = corners[:, 0], corners[:, second], corners[:, second + 1]
+        p3 = corners[:, min(second + 2, k - 1)]
+        along_u = (p1 - p0)[:, None] * (1 - v)[:, None] + (p2 - p3)[:, None] * v[:, None]
+        along_v = (p3 - p0)[:, None] * (1 - u)[:, None] + (p2 - p1)[:, None] * u[:, None]
+        point = p0[:, None] + u[:, None] * (p1 - p0)[:, None] + v[:, None] * along_v
+        stretch = np.einsum("npd,nd->np", np.cross(along_u, along_v), polygons.normal)
+        parts.append(np.concatenate([point, (share * stretch)[..., None]], axis=2))
+    rows = np.concatenate(parts, axis=1)
+    padding = np.repeat(rows[:, :1], -rows.shape[1] % 4, axis=1)
+    padding[..., 3] = 0.0
+    return SurfaceRule(np.ascontiguousarray(np.concatenate([rows, padding], axis=1).transpose(0, 2, 1)))
