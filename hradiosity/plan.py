@@ -91,6 +91,18 @@ class Calibration:
 
 
 @dataclass(frozen=True)
+class ClassicCalibration:
+    """How fast a device was in an earlier run of the classic mode.
+
+    seconds_per_pixel : of a hemicube, see `hradiosity.planning_classic.pixels_drawn`
+    seconds_per_product : of all the rest, see `hradiosity.planning_classic.products`
+    """
+
+    seconds_per_pixel: float
+    seconds_per_product: float
+
+
+@dataclass(frozen=True)
 class Plan:
     """What a run will do; prints itself.
 
@@ -106,6 +118,8 @@ class Plan:
     interreflection : whether reflected light is computed
     memory_bytes : estimated peak of the device arrays
     seconds : expected wall seconds; None when the device was never measured
+    shooters, hemicubes, shots : of the classic mode: patches that shoot, and what is drawn and shot in all replicates
+        together; 0 in the mode of rays
     """
 
     effects: tuple[Effect, ...]
@@ -127,20 +141,27 @@ class Plan:
     interreflection: bool
     memory_bytes: int
     seconds: float | None
+    shooters: int = 0
+    hemicubes: int = 0
+    shots: int = 0
 
     def lines(self) -> list[str]:
         """The plan in words, a line each."""
         width = max((len(effect.name) for effect in self.effects), default=0)
         out = [effect.line(width) for effect in self.effects]
-        rays = self.replicates * (self.n_elements * self.rays_per_element + 2 * self.n_readings * self.gather_samples)
         out += [
             f"{self.n_patches} patches in {self.n_elements} elements of about {self.element_size:.3g} m; "
             f"emitters: {self.n_emitters}, readings: {self.n_readings}, bands: {self.n_bands}",
-            f"about {rays / 1e6:.2g} million rays and as many towards the lamps, in {self.replicates} replicates; "
-            f"{self.memory_bytes / 2**20:.0f} MiB",
+            f"about {self._effort()}, in {self.replicates} replicates; {self.memory_bytes / 2**20:.0f} MiB",
         ]
         if self.size_bound:
             counts = f"{self.elements_asked} asked for, {self.n_elements} made"
             out.append(f"elements: {counts}: {self.size_bound}; --element-size forces it")
         known = "not measured on this device yet" if self.seconds is None else f"about {self.seconds:.2g} s"
         return [*out, f"time: {known}"]
+
+    def _effort(self) -> str:
+        if self.hemicubes:
+            return f"{self.hemicubes} hemicubes and {self.shots} shots"
+        rays = self.replicates * (self.n_elements * self.rays_per_element + 2 * self.n_readings * self.gather_samples)
+        return f"{rays / 1e6:.2g} million rays and as many towards the lamps"

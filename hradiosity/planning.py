@@ -76,7 +76,7 @@ def _columns_of_class(
     return expansion, inside / top, int(bands[0])
 
 
-def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibration | None = None) -> Plan:
+def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
     """Weigh each effect against the scene, and choose sizes that the options leave open.
 
     Parameters
@@ -84,8 +84,6 @@ def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibr
     scene : Scene
     options : Options
     lit : LitSides
-    calibration : Calibration, optional
-        Rates of the device, for expected seconds; None leaves them unknown.
 
     Raises
     ------
@@ -128,7 +126,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides, calibration: Calibr
         memory_bytes=0,
         seconds=None,
     )
-    return sized(plan, n_elements, calibration)
+    return sized(plan, n_elements)
 
 
 def _element_size(area: float, options: Options, free_path: float) -> tuple[float, str]:

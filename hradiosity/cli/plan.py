@@ -29,7 +29,7 @@ def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False
     options = replace(chosen.options(), pictures=True)
     loaded = load_scene(scene)
     device = Device(chosen.device)
-    solver = make_solver(loaded, options, device, load_calibration(device.description))
+    solver = make_solver(loaded, options, device, load_calibration(device.description, options.mode))
     made = solver.plan
     if json:
         print(to_json(plan_record(made)))

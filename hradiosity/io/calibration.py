@@ -12,11 +12,19 @@ from typing import Any
 
 from hradiosity.errors import OutputError
 from hradiosity.io.output_folder import write_file
-from hradiosity.plan import Calibration
+from hradiosity.options import Mode
+from hradiosity.plan import Calibration, ClassicCalibration
+from hradiosity.planning_classic import pixels_drawn, products
 from hradiosity.solution import Solution
 
 CACHE_VARIABLE = "HRADIOSITY_CACHE"
 _KEPT_BUILDS = 200
+_KINDS: dict[Mode, tuple[type[Calibration | ClassicCalibration], str]] = {
+    "rays": (Calibration, "calibration"),
+    "classic": (ClassicCalibration, "classic"),
+}
+"""What is kept for each mode, and under which name."""
+_CLASSIC_STAGES = ("lamps", "sky", "shooting", "readings")
 
 
 def cache_folder() -> Path:
@@ -30,13 +38,13 @@ def cache_folder() -> Path:
     return (Path(base) if base else Path.home() / ".cache") / "hradiosity"
 
 
-def load_calibration(device: str) -> Calibration | None:
-    """Speeds of a device, by its description; None when it was never measured."""
-    kept = _load().get(device, {}).get("calibration")
-    names = {field.name for field in fields(Calibration)}
-    if not isinstance(kept, dict) or kept.keys() != names:
+def load_calibration(device: str, mode: Mode = "rays") -> Calibration | ClassicCalibration | None:
+    """Speeds of a device, by its description, in one mode; None when they were never measured."""
+    kind, entry = _KINDS[mode]
+    kept = _load().get(device, {}).get(entry)
+    if not isinstance(kept, dict) or kept.keys() != {field.name for field in fields(kind)}:
         return None
-    return Calibration(**{name: float(value) for name, value in kept.items()})
+    return kind(**{name: float(value) for name, value in kept.items()})
 
 
 def load_builds(device: str) -> frozenset[str]:
@@ -44,8 +52,8 @@ def load_builds(device: str) -> frozenset[str]:
     return frozenset(_load().get(device, {}).get("builds", ()))
 
 
-def store(device: str, builds: Iterable[str], calibration: Calibration | None) -> bool:
-    """Keep what a run measured; a calibration of None leaves the earlier one.
+def store(device: str, builds: Iterable[str], calibration: Calibration | ClassicCalibration | None) -> bool:
+    """Keep what a run measured; a calibration of None leaves the earlier ones, and that of a mode the other mode's.
 
     Returns
     -------
@@ -57,7 +65,7 @@ def store(device: str, builds: Iterable[str], calibration: Calibration | None) -
     known = list(entry.get("builds", ()))
     entry["builds"] = (known + [build for build in builds if build not in known])[-_KEPT_BUILDS:]
     if calibration is not None:
-        entry["calibration"] = asdict(calibration)
+        entry[next(name for kind, name in _KINDS.values() if isinstance(calibration, kind))] = asdict(calibration)
     try:
         cache_folder().mkdir(parents=True, exist_ok=True)
         write_file(_file(), json.dumps({"devices": kept}, indent=1).encode())
@@ -66,8 +74,24 @@ def store(device: str, builds: Iterable[str], calibration: Calibration | None) -
     return True
 
 
-def measure(solution: Solution) -> Calibration | None:
+def measure(solution: Solution) -> Calibration | ClassicCalibration | None:
     """Speeds from a finished run; None when it left a stage out, or hardly took any time."""
+    return _measure_classic(solution) if solution.plan.hemicubes else _measure_rays(solution)
+
+
+def _measure_classic(solution: Solution) -> ClassicCalibration | None:
+    plan, record = solution.plan, solution.record
+    drawn, drawing = record["hemicubes"]["drawn"], record["hemicubes"]["seconds"]
+    resolution = record["options"]["hemicube_resolution"]
+    rest = sum(record["stage_seconds"].get(stage, 0.0) for stage in _CLASSIC_STAGES) - drawing
+    shots = sum(solved["products"] for solved in record["solver"])
+    done = products(shots, drawn, plan.shooters, plan.columns.n_columns)
+    if drawing < 0.01 or rest < 0.01 or not shots:
+        return None
+    return ClassicCalibration(drawing / drawn / pixels_drawn(resolution, plan.n_patches), rest / done)
+
+
+def _measure_rays(solution: Solution) -> Calibration | None:
     plan, seconds, count = solution.plan, solution.record["stage_seconds"], solution.replicates
     rows, readings = len(solution.elements), plan.n_readings
     rays = count * rows * plan.rays_per_element

@@ -21,6 +21,8 @@ def pack_record(record: Record, **numbers: float) -> NDArray[np.uint8]:
         {
             "seconds": record.seconds,
             "rays": record.rays,
+            "hemicubes": record.hemicubes,
+            "hemicube_seconds": record.hemicube_seconds,
             "defects": [asdict(d) for d in record.defects],
             "convergence": [asdict(c) for c in record.convergence],
             "numbers": numbers,
@@ -35,6 +37,8 @@ def unpack_record(packed: NDArray[np.uint8]) -> tuple[Record, Mapping[str, float
     record = Record(
         seconds=found["seconds"],
         rays=found["rays"],
+        hemicubes=found["hemicubes"],
+        hemicube_seconds=found["hemicube_seconds"],
         defects=[Defects(**d) for d in found["defects"]],
         convergence=[Convergence(**(c | {"residual": tuple(c["residual"])})) for c in found["convergence"]],
     )

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hradiosity.device import Device
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
-from hradiosity.plan import Calibration
+from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.radiosity.classic_surfaces import ClassicLight, ClassicSurfaces
 from hradiosity.radiosity.solver import KEPT_BYTES, RadiositySolver
 from hradiosity.radiosity.surfaces import SurfaceSolver
@@ -32,7 +32,7 @@ class ClassicSolver(RadiositySolver):
     scene : Scene
     options : Options
     device : Device
-    calibration : Calibration, optional
+    calibration : ClassicCalibration, optional
     lamps_in_view : bool
         Take the light of area lamps at readings from the pixels that show them.
     """
@@ -44,7 +44,7 @@ class ClassicSolver(RadiositySolver):
         scene: Scene,
         options: Options,
         device: Device,
-        calibration: Calibration | None = None,
+        calibration: Calibration | ClassicCalibration | None = None,
         *,
         lamps_in_view: bool = False,
     ) -> None:
@@ -75,6 +75,7 @@ class ClassicSolver(RadiositySolver):
         light = surfaces.solve(seed)
         with self.record.timed("readings"):
             self._gather(self._readings, light)
+        surfaces.count_hemicubes(light.hemicube)
         size = light.reflected.nbytes + light.emitted.nbytes
         if len(self._lights) < 2 or (len(self._lights) + 1) * size <= KEPT_BYTES:
             self._lights.append(light)

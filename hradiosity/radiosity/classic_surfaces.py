@@ -14,7 +14,9 @@ from numpy.typing import NDArray
 
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.geometry import NONE
-from hradiosity.radiosity.shooting import ShootingPoints, ShootingRows, shooting_points
+from hradiosity.plan import Calibration, ClassicCalibration, Plan
+from hradiosity.planning_classic import ClassicSizes, classic_plan
+from hradiosity.radiosity.shooting import KEPT_BYTES, ShootingPoints, ShootingRows, over_area, shooting_points
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.solvers.krylov import Convergence
 from hradiosity.solvers.southwell import ShootingSystem, shoot, shooting_weights
@@ -73,7 +75,7 @@ class _Lamps:
 class ClassicSurfaces(SurfaceSolver):
     """Estimates the light on all row elements with new random points and turns of the hemicubes for each seed."""
 
-    hemicubes = 0
+    uses_shafts = False
 
     def solve(self, seed: int) -> ClassicLight:
         """One independent estimate."""
@@ -95,8 +97,7 @@ class ClassicSurfaces(SurfaceSolver):
                 direct += rows.sky[self._row_patch][:, None] * self._sky[: self.plan.columns.n_columns]
         with self.record.timed("shooting"):
             shot = self._shoot(rows, area, direct)
-            irradiance = direct + _over_area(rows.arriving(shot), area)
-        self.hemicubes += rows.drawn
+            irradiance = direct + over_area(rows.arriving(shot), area)
         self._note(irradiance, direct, exposed, rows)
         n = self.plan.columns.n_columns
         return ClassicLight(
@@ -105,6 +106,30 @@ class ClassicSurfaces(SurfaceSolver):
             emitted=self._emitted(),
             seed=seed,
         )
+
+    def count_hemicubes(self, hemicube: Hemicube) -> None:
+        """Take what was drawn since the last call over into the record."""
+        self.record.hemicubes += hemicube.drawn
+        self.record.hemicube_seconds += hemicube.seconds
+        hemicube.drawn, hemicube.seconds = 0, 0.0
+
+    def sized_plan(self, calibration: Calibration | ClassicCalibration | None) -> Plan:
+        """The plan for the patches that were cut, with seconds if the device was measured in this mode."""
+        patches = self._structure.levels[0]
+        reflectance = self._reflectance[patches.row_material, : self.plan.columns.n_columns].astype(np.float64)
+        total = float(patches.area.sum())
+        mean = np.einsum("p,pc->c", patches.area, reflectance) / total if total > 0.0 else np.zeros(1)
+        sizes = ClassicSizes(
+            shooters=len(patches),
+            lamp_points=len(self._lamps.cell),
+            elements=len(self.elements),
+            resolution=self.options.hemicube_resolution,
+            tolerance=self.options.tolerance,
+            reflectance=float(mean.max(initial=0.0)),
+            kept_bytes=KEPT_BYTES,
+            batch=self.hemicube.batch,
+        )
+        return classic_plan(self.plan, sizes, calibration if isinstance(calibration, ClassicCalibration) else None)
 
     def _divide(self, lit: LitSides) -> Elements:
         """Patches, split where the light of the lamps changes quickly; draws a first round of their hemicubes."""
@@ -125,6 +150,7 @@ class ClassicSurfaces(SurfaceSolver):
         rng = np.random.Generator(np.random.Philox(key=self.options.seed))
         everything = np.ones(len(finest))
         light = self._lamp_light(hemicube, np.arange(len(finest)), finest.area, everything, rng)
+        self.count_hemicubes(hemicube)
         if self._points_alone is not None:
             places = self._points(SPLITS, np.arange(len(finest)), rng)
             light += self._from_points(direct_at_points(self._points_alone, places.position, places.normal, 1, 0))
@@ -201,8 +227,7 @@ class ClassicSurfaces(SurfaceSolver):
         shining = lamps.grid.area[lamps.cell] * exposed[item_of_finest[lamps.finest]] * points.exposed
         rows = ShootingRows(hemicube, points, shining, np.arange(len(area)))
         power = rows.arriving(lamps.exitance)
-        self.hemicubes += rows.drawn
-        return _over_area(power, area)
+        return over_area(power, area)
 
     def _point_light(self, hits: RowHits, seed: int) -> NDArray[np.float64]:
         """(n_rows, n_columns) irradiance by point sources."""
@@ -228,7 +253,7 @@ class ClassicSurfaces(SurfaceSolver):
         system = ShootingSystem(
             area=patch_area,
             reflectance=self._reflectance[patches.row_material, : direct.shape[1]].astype(np.float64),
-            direct=_over_area(pooled, patch_area),
+            direct=over_area(pooled, patch_area),
             rows=rows,
         )
         weight = shooting_weights(self.plan.columns.expansion, luminous_weights(self.scene.bands))
@@ -260,7 +285,7 @@ class ClassicSurfaces(SurfaceSolver):
             Defects(
                 row_sum_rms=float(np.sqrt(np.mean(lost**2))) if len(lost) else 0.0,
                 row_sum_max=float(lost.max(initial=0.0)),
-                reciprocity_rms=0.0,
+                reciprocity_rms=rows.reciprocity_defect(),
                 scale_rms=0.0,
                 scale_max=0.0,
                 self_share=0.0,
@@ -269,11 +294,3 @@ class ClassicSurfaces(SurfaceSolver):
                 lost_share=float(lost.mean()) if len(lost) else 0.0,
             )
         )
-
-
-def _over_area(power: NDArray[np.float64], area: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Power by area, 0 where there is no area."""
-    irradiance: NDArray[np.float64] = np.divide(
-        power, area[:, None], out=np.zeros_like(power), where=area[:, None] > 0.0
-    )
-    return irradiance

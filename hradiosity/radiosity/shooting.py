@@ -21,6 +21,10 @@ TRIES: Final = 16
 KEPT_BYTES: Final = 1 << 30
 """Views that are kept item by item; the others are drawn once more at the end."""
 
+PAIRED_POINTS: Final = 1024
+LEAST_PIXELS: Final = 5.0
+"""Of the comparison of a pair's two factors: points that take part, and pixels that either must show."""
+
 _Row: TypeAlias = tuple[NDArray[np.int32], NDArray[np.float32]]
 """Groups, and factors to them."""
 
@@ -81,7 +85,6 @@ class ShootingRows:
 
     Attributes
     ----------
-    drawn : number of hemicubes drawn
     sky : (n,) float64, share of the sky in the view of each point; NaN where it was not drawn
     lost : (n,) float64, share of the view inside solids or on sides that no light reaches; NaN likewise
     """
@@ -89,7 +92,6 @@ class ShootingRows:
     def __init__(
         self, hemicube: Hemicube, points: ShootingPoints, area: NDArray[np.float64], group: NDArray[np.integer]
     ) -> None:
-        self.drawn = 0
         self.sky = np.full(len(area), np.nan)
         self.lost = np.full(len(area), np.nan)
         self._hemicube, self._points, self._area = hemicube, points, area
@@ -127,6 +129,24 @@ class ShootingRows:
             total += self._look(part).factor.T @ power[part]
         return total
 
+    def reciprocity_defect(self) -> float:
+        """Rms of |A_i F_ij − A_j F_ji| over the mean of both, for pairs of points that each drew the other.
+
+        The groups must be those that the points shoot from. Pairs that either shows in fewer than about five pixels do
+        not count, as their factors are rounded; a thousand points, evenly picked, stand for all.
+        """
+        drawn = np.array(sorted(self._rows), np.int64)
+        drawn = drawn[self._area[drawn] > 0.0][:: max(1, len(drawn) // PAIRED_POINTS)]
+        area = self._area[drawn, None]
+        there = self(drawn)[:, drawn].toarray()
+        often = there > area * LEAST_PIXELS / (3.0 * self._hemicube.resolution**2)
+        both = np.triu(often & often.T, k=1)
+        if not both.any():
+            return 0.0
+        here = there.T[both]
+        difference = 2.0 * (there[both] - here) / (there[both] + here)
+        return float(np.sqrt(np.mean(difference**2)))
+
     def _draw(self, wanted: NDArray[np.int64]) -> None:
         """Rows of points that were not drawn yet; keeps the items of their views while there is room."""
         if not len(wanted):
@@ -146,10 +166,17 @@ class ShootingRows:
 
     def _look(self, wanted: NDArray[np.int64]) -> Views:
         points = self._points
-        self.drawn += len(wanted)
         return self._hemicube.views(
             points.position[wanted], points.normal[wanted], points.angle[wanted], points.patch[wanted]
         )
+
+
+def over_area(power: NDArray[np.float64], area: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Power by area, 0 where there is no area."""
+    irradiance: NDArray[np.float64] = np.divide(
+        power, area[:, None], out=np.zeros_like(power), where=area[:, None] > 0.0
+    )
+    return irradiance
 
 
 def _random_points(

@@ -13,8 +13,8 @@ from numpy.typing import NDArray
 from hradiosity.device import Device
 from hradiosity.model.scene import Note, Scene, Sensor
 from hradiosity.options import Options
-from hradiosity.plan import Calibration, Plan
-from hradiosity.planning import make_plan, sized
+from hradiosity.plan import Calibration, ClassicCalibration, Plan
+from hradiosity.planning import make_plan
 from hradiosity.radiosity.checkpoint import pack_record, part_of, unpack_record
 from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
@@ -51,14 +51,20 @@ class RadiositySolver:
     scene : Scene
     options : Options
     device : Device
-    calibration : Calibration, optional
-        Rates of the device, for the plan's expected seconds.
+    calibration : Calibration or ClassicCalibration, optional
+        Rates of the device in this mode, for the plan's expected seconds.
     """
 
     surface_solver: type[SurfaceSolver] = SurfaceSolver
     """What estimates the light on the surfaces."""
 
-    def __init__(self, scene: Scene, options: Options, device: Device, calibration: Calibration | None = None) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        options: Options,
+        device: Device,
+        calibration: Calibration | ClassicCalibration | None = None,
+    ) -> None:
         self.scene, self.options, self.device = scene, options, device
         self.record = Record()
         self.cpu_seconds = 0.0
@@ -202,9 +208,9 @@ class RadiositySolver:
                 self._lit = lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
             cpu -= self._check(bvh, lit)
             with self.record.timed("geometry"):
-                plan = make_plan(self.scene, self.options, lit, self._calibration)
+                plan = make_plan(self.scene, self.options, lit)
                 surfaces = self.surface_solver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
-                surfaces.plan = sized(plan, len(surfaces.elements), self._calibration)
+                surfaces.plan = surfaces.sized_plan(self._calibration)
                 self._surfaces = surfaces
             self.cpu_seconds += time.process_time() - cpu
         return self._surfaces
@@ -304,6 +310,7 @@ class RadiositySolver:
             "solve_cpu_s": self.cpu_seconds,
             "wall_s": self._earlier_seconds + self._elapsed(),
             "rays": self.record.rays,
+            "hemicubes": {"drawn": self.record.hemicubes, "seconds": self.record.hemicube_seconds},
             "elements": 0 if self._surfaces is None else len(self._surfaces.elements),
             "interval_parts": ["sampling"],
             "defects_before_closure": [asdict(d) for d in self.record.defects],

@@ -15,7 +15,8 @@ from hradiosity.device import Device
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
-from hradiosity.plan import Plan
+from hradiosity.plan import Calibration, ClassicCalibration, Plan
+from hradiosity.planning import sized
 from hradiosity.readings.interval import RunningMoments
 from hradiosity.readings.sensors import SurfaceLight, emitter_choice
 from hradiosity.solution import Surfaces
@@ -47,12 +48,15 @@ class Record:
 
     seconds : wall seconds of each stage
     rays : traced so far
+    hemicubes, hemicube_seconds : drawn so far in the classic mode, and the wall seconds that it took
     stage : what is going on, or went on last
     defects, convergence : one a replicate
     """
 
     seconds: dict[str, float] = field(default_factory=dict)
     rays: int = 0
+    hemicubes: int = 0
+    hemicube_seconds: float = 0.0
     stage: str = ""
     defects: list[Defects] = field(default_factory=list)
     convergence: list[Convergence] = field(default_factory=list)
@@ -147,6 +151,10 @@ class SurfaceSolver:
             row_direct=self.device.upload(per_emitter),
             weight=self._weight_on_device,
         )
+
+    def sized_plan(self, calibration: Calibration | ClassicCalibration | None) -> Plan:
+        """The plan for the elements that were cut, with seconds if the device was measured in this mode."""
+        return sized(self.plan, len(self.elements), calibration if isinstance(calibration, Calibration) else None)
 
     def surfaces(self) -> Surfaces:
         """Mean over the replicates so far."""

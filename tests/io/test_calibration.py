@@ -54,6 +54,7 @@ def test_cache_that_can_not_be_written(cache):
 def finished(**changes):
     seconds = {"exchange rays": 1.0, "direct light": 2.0, "exchange": 0.5, "solution": 4.0, "readings": 0.8}
     values = {
+        "hemicubes": 0,
         "n_readings": 10,
         "rays_per_element": 16,
         "n_emitters": 3,
