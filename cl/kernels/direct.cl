@@ -3,6 +3,10 @@
 #include "include/hr_elements.h"
 #include "include/hr_emitters.h"
 #include "include/hr_outcomes.h"
+#include "include/hr_shaft.h"
+
+/* Rays that take about as long as a proof that they are free. */
+#define HR_RAYS_OF_A_SHAFT 16u
 
 /* Is the way from x (unit normal n, on patch `own`) to the point y of the emitter free? */
 HR_FORCE_INLINE float hr_open(const float3 x, const float3 n, const uint own, const float3 y, const uint emitter_patch,
@@ -35,10 +39,12 @@ HR_FORCE_INLINE float hr_hidden(const float3 x, const float3 n, const uint own, 
 }
 
 /* Irradiance of each row's exposed part for unit emission of each emitter. The points are the origins of the row's own
-   exchange rays, so that both see the same part of the element. From afar each point takes one sample of the kernel;
-   near an emitter it takes the closed form less what is found hidden. */
+   exchange rays, so that both see the same part of the element. Where nothing stands between, each point takes the
+   closed form. Else, from afar each takes one sample of the kernel; near an emitter it takes the closed form less what
+   is found hidden. */
 __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const uint *hit_row, /* (n_rows, n_samples), from trace_rows          */
+                          __global const uchar *row_sight, /* (n_rows, n_emitters) HR_SIGHT_…            */
                           __global float *direct,       /* (n_rows, n_emitters) [1] or [m^-2]            */
                           const uint n_samples, const uint n_points, const uint n_emitters, const uint occlusion,
                           const uint seed, const float scale, const uint n_items)
@@ -46,6 +52,11 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     const uint i = get_global_id(0);
     if (i >= n_items)
         return;
+    if (row_sight[i] == HR_SIGHT_HIDDEN) {
+        direct[i] = 0.0f;
+        return;
+    }
+    const int is_free = !occlusion || row_sight[i] == HR_SIGHT_FREE;
     const uint row = i / n_emitters;
     const uint emitter = i % n_emitters;
     const uint patch = emitter_patch[emitter];
@@ -62,14 +73,17 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         if (place.patch == patch)
             continue;
         const float3 x = place.position, n = place.normal;
+        if (is_free) {
+            sum += hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
+            any_open = 1;
+            continue;
+        }
         const float2 at = (float2)(hr_sample(k, 2, lamp_seed), hr_sample(k, 3, lamp_seed));
         const float far_area = patch == HR_NONE ? 1.0f : hr_far_area(x, emitter, HR_EMITTER);
-        if (far_area > 0.0f || !occlusion) {
+        if (far_area > 0.0f) {
             const float3 y = hr_emitter_point(emitter, at.x, at.y, HR_EMITTER, HR_PATCH);
-            const float light = far_area > 0.0f
-                                    ? far_area * hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH)
-                                    : hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
-            if (light > 0.0f && (!occlusion || hr_open(x, n, place.patch, y, patch, scale, HR_BVH) > 0.0f)) {
+            const float light = far_area * hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH);
+            if (light > 0.0f && hr_open(x, n, place.patch, y, patch, scale, HR_BVH) > 0.0f) {
                 sum += light;
                 any_open = 1;
             }
@@ -88,7 +102,22 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     direct[i] = any_open ? sum / (float)exposed : 0.0f;
 }
 
-/* The same at single points, as the closed form times the open share of the weighted rays.
+/* Whether a shaft proves that nothing stands between the point x and an area emitter. */
+HR_FORCE_INLINE int hr_proved_free(const float3 x, const float3 n, const uint emitter, const uint most_visits,
+                                   const float scale, HR_EMITTER_PARAMS, HR_PATCH_PARAMS, HR_BVH_PARAMS)
+{
+    const uint patch = emitter_patch[emitter];
+    const float3 origin = hr_load3(patch_origin, patch);
+    const float3 eu = hr_load3(patch_edge_u, patch);
+    const float3 ev = hr_load3(patch_edge_v, patch);
+    const float3 point[4] = {x, x, x, x};
+    const float3 corner[4] = {origin, origin + eu, patch_kind[patch] ? origin + ev : origin + eu + ev, origin + ev};
+    return hr_sight(HR_BVH, point, n, HR_NONE, corner, hr_load3(patch_normal, patch), patch, emitter_two_sided[emitter],
+                    scale, most_visits) == HR_SIGHT_FREE;
+}
+
+/* The same at single points, as the closed form times the open share of the weighted rays; of many rays only where no
+   shaft with most_visits nodes and leaves proves that they are free (0: no proof is tried).
    With n_pilot < n_samples, for pictures: after so many rays that all agree the emitter counts as wholly open or
    hidden, and all points send their rays to the same places, so that soft edges have no grain. */
 __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
@@ -96,7 +125,8 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const float *normal,   /* (n_points, 3) unit                      */
                             __global float *direct,         /* (n_points, n_emitters) [1] or [m^-2]    */
                             const uint first_point, const uint n_samples, const uint n_pilot,
-                            const uint n_emitters, const uint occlusion, const uint seed, const float scale, const uint n_items)
+                            const uint n_emitters, const uint occlusion, const uint most_visits, const uint seed,
+                            const float scale, const uint n_items)
 {
     const uint i = get_global_id(0);
     if (i >= n_items)
@@ -113,6 +143,11 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
     const uint lamp_seed = hr_combine(n_pilot < n_samples ? seed : hr_combine(seed, point), emitter);
     const int near = emitter_patch[emitter] != HR_NONE && hr_far_area(x, emitter, HR_EMITTER) <= 0.0f;
     const uint rays = emitter_patch[emitter] == HR_NONE ? 1 : n_samples;
+    if (most_visits && min(rays, n_pilot) >= HR_RAYS_OF_A_SHAFT &&
+        hr_proved_free(x, n, emitter, most_visits, scale, HR_EMITTER, HR_PATCH, HR_BVH)) {
+        direct[i] = factor;
+        return;
+    }
     float weight = 0.0f, open = 0.0f;
     for (uint k = 0; k < rays; ++k) {
         if (k == n_pilot && (open == 0.0f || open == weight))

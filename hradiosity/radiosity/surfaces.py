@@ -28,6 +28,7 @@ from hradiosity.solvers.spectral_basis import SpectralBasis, choose_basis
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
+from hradiosity.space.shafts import UNKNOWN, EmitterShapes, row_sight
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import Defects, Exchange, RowHits, build_exchange, trace_rows
@@ -87,12 +88,17 @@ class SurfaceSolver:
         Filled while running.
     """
 
+    uses_shafts = True
+    """Whether shafts are tried before shadow rays."""
+
     def __init__(
         self, device: Device, scene: Scene, bvh: Bvh, lit: LitSides, plan: Plan, options: Options, record: Record
     ) -> None:
         self.device, self.scene, self.plan, self.options, self.record = device, scene, plan, options, record
         self._bvh = bvh
-        self.on_device: DeviceScene = upload_scene(device, scene, bvh, occlusion=plan.occlusion)
+        self.on_device: DeviceScene = upload_scene(
+            device, scene, bvh, occlusion=plan.occlusion, shafts=self.uses_shafts and options.occlusion is None
+        )
         columns = plan.columns
         self.emission = columns.padded(columns.emission[scene.emitters.luminaire])
         self._reflectance = columns.padded(columns.reflectance * plan.interreflection)
@@ -109,6 +115,7 @@ class SurfaceSolver:
         """Cut the lit sides into row elements; forget what was known about others."""
         self.elements: Elements = self._divide(lit)
         self.on_device_elements = upload_elements(self.device, self.elements)
+        self.sight = self._prove(lit)
         n_rows = len(self.elements)
         first = self.elements.row_cell[self.elements.row_start[:-1]]
         self.space: NDArray[np.int32] = lit.space.ravel()[self.elements.cell_side[first]]
@@ -120,6 +127,14 @@ class SurfaceSolver:
         self._deflation: NDArray[np.float64] | None = None
         self._basis = self._choose_basis()
 
+    def _prove(self, lit: LitSides) -> NDArray[np.uint8] | None:
+        """What shafts prove about rows and emitters; None where the plan or the user decided without them."""
+        if not self.on_device.shafts or not self.plan.occlusion:
+            return None
+        sight = row_sight(self._bvh, self.scene.patches, self.elements, EmitterShapes.of(self.scene), lit)
+        self.on_device_elements = self.on_device_elements.with_sight(self.device, sight)
+        return sight
+
     def _divide(self, lit: LitSides) -> Elements:
         """The row elements of the lit sides."""
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
@@ -129,10 +144,10 @@ class SurfaceSolver:
         """One independent estimate, as paths look it up."""
         with self.record.timed("exchange rays"):
             hits = self._trace(seed)
-        n_emitters = len(self.scene.emitters)
         with self.record.timed("direct light"):
             per_emitter = direct_on_rows(self.on_device, self.on_device_elements, hits, self.plan.light_points, seed)
-            self.record.rays += len(self.elements) * n_emitters * self.plan.light_points
+            traced = per_emitter.size if self.sight is None else int(np.count_nonzero(self.sight == UNKNOWN))
+            self.record.rays += traced * self.plan.light_points
         with self.record.timed("exchange"):
             exchange = build_exchange(hits, self.elements)
             self.record.defects.append(exchange.defects)

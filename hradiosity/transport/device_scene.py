@@ -27,6 +27,7 @@ class DeviceScene:
     n_emitters : number of emitters
     scale : size of the scene, for ray offsets [m]
     occlusion : False when nothing can stand between any two points
+    shafts : True to leave out shadow rays where shafts prove that they are free
     """
 
     device: Device
@@ -37,6 +38,7 @@ class DeviceScene:
     flush_reach: DeviceArray
     n_emitters: int
     occlusion: bool
+    shafts: bool
 
     @property
     def scale(self) -> float:
@@ -55,18 +57,30 @@ class DeviceElements:
     cells : arrays by the names of the kernels' arguments
     side_material : (n_patches, 2) uint32
     row_size : (n_rows,) float32, square root of each element's area [m]
+    proved : (n_rows, n_emitters) uint8, see `hradiosity.space.shafts`; None where nothing was tried
     """
 
     elements: Elements
     cells: dict[str, DeviceArray]
     side_material: DeviceArray
     row_size: DeviceArray
+    proved: DeviceArray | None = None
+
+    def sight(self, scene: DeviceScene) -> DeviceArray:
+        """What is sure about the sight between rows and emitters; all unknown where nothing was tried."""
+        if self.proved is not None:
+            return self.proved
+        return scene.device.upload(np.zeros((max(len(self.elements), 1), max(scene.n_emitters, 1)), np.uint8))
+
+    def with_sight(self, device: Device, sight: NDArray[np.uint8]) -> DeviceElements:
+        """The same, with what was proved about rows and emitters."""
+        return replace(self, proved=device.upload(sight) if sight.size else None)
 
 
 _NOTHING: Final = np.zeros((1, 3), np.float32)
 
 
-def upload_scene(device: Device, scene: Scene, bvh: Bvh, *, occlusion: bool) -> DeviceScene:
+def upload_scene(device: Device, scene: Scene, bvh: Bvh, *, occlusion: bool, shafts: bool = True) -> DeviceScene:
     """Put what does not depend on the elements on the device; coordinates relative to the local origin."""
     lamps = scene.emitters
     two_sided = np.array([lamp.two_sided for lamp in scene.luminaires], bool)
@@ -85,6 +99,7 @@ def upload_scene(device: Device, scene: Scene, bvh: Bvh, *, occlusion: bool) -> 
         flush_reach=device.upload(flush_reach(scene.patches)),
         n_emitters=len(lamps),
         occlusion=occlusion,
+        shafts=shafts,
     )
 
 

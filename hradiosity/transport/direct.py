@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.space.shafts import MOST_VISITS
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.exchange import RowHits
 
@@ -19,7 +20,7 @@ def direct_on_rows(
     hits : RowHits
         Of the same seed: its rays tell which points are covered by solids.
     n_points : int
-        Points on each element; at each, one ray goes to each emitter.
+        Points on each element; at each, one ray goes to each emitter that the element is not proved to see.
 
     Returns
     -------
@@ -36,6 +37,7 @@ def direct_on_rows(
         **elements.cells,
         **scene.emitters,
         hit_row=hits.on_device,
+        row_sight=elements.sight(scene),
         direct=direct,
         n_samples=hits.row.shape[1],
         n_points=n_points,
@@ -65,7 +67,8 @@ def direct_at_points(
     normal : (n, 3) float64
         Unit normals.
     n_samples : int
-        Shadow rays to each area emitter; their weighted open share multiplies the closed-form factor.
+        Shadow rays to each area emitter; their weighted open share multiplies the closed-form factor. None are traced
+        where a shaft proves that the way is free.
     n_pilot : int, optional
         For pictures: stop after this many rays to an emitter when they all agree, which is cheaper, but no longer
         unbiased where an emitter is nearly open or nearly hidden; and all points send their rays to the same places,
@@ -91,6 +94,7 @@ def direct_at_points(
         n_pilot=n_samples if n_pilot is None else n_pilot,
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
+        most_visits=MOST_VISITS if scene.shafts else 0,
         seed=seed,
         scale=scene.scale,
     )
