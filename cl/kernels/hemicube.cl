@@ -57,9 +57,9 @@ __kernel void draw_hemicubes(HR_DRAWN_PARAMS,
 __kernel void add_pixels(__global const uint *item,    /* (n_points, 3 resolution^2)                             */
                          __global const float *weight, /* (1.5 resolution^2,) delta factors of top and one side  */
                          __global float *factor,       /* (n_points, n_columns)                                  */
-                         const uint resolution, const uint n_columns)
+                         const uint resolution, const uint n_columns, const uint n_items)
 {
-    if (get_local_id(0) != 0)
+    if (get_local_id(0) != 0 || get_global_id(0) >= n_items)
         return;
     const size_t point = get_group_id(0);
     const size_t pixels = (size_t)resolution * resolution;

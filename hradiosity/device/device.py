@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device.build_time import BuildTime
 from hradiosity.device.choice import DeviceInfo, choose_device
 from hradiosity.device.kernel import LOCAL_SIZE, Kernel
 from hradiosity.device.sources import load_source, source_digest
@@ -49,7 +50,7 @@ class Device:
         self._events: list[tuple[str, cl.Event]] = []
         self._programs: dict[BuildKey, cl.Program] = {}
         self._kernels: dict[tuple[BuildKey, str], Kernel] = {}
-        self.build_seconds = 0.0
+        self.build_time = BuildTime()
         self.builds: list[str] = []
         """Kernels taken into use so far, each with its definitions and the digest of all sources."""
         self.on_build: Callable[[str], None] | None = None
@@ -60,6 +61,10 @@ class Device:
         """Name, driver and size in one line."""
         info: DeviceInfo = self.info
         return f"{info.name} ({info.version}, {info.compute_units} compute units)"
+
+    def work_cpu_seconds(self) -> float:
+        """CPU seconds of this process so far, less those that building and loading kernels took."""
+        return time.process_time() - self.build_time.cpu
 
     def kernel(self, source: str, name: str, **definitions: int | str) -> Kernel:
         """Kernel `name` of ``cl/kernels/<source>.cl``, built once for each set of definitions.
@@ -84,20 +89,19 @@ class Device:
             import pyopencl as cl
 
             self._announce(f"{source}.{name} {' '.join(f'{k}={v}' for k, v in key[1])} {source_digest()}")
-            program = self._program(key)
-            try:
-                held = Kernel(cl.Kernel(program, name), self._queue, self._record, LOCAL_SIZE)
-            except cl.Error as error:
-                raise DeviceError(f"kernels/{source}.cl has no kernel {name!r}") from error
+            with self.build_time.counted():
+                program = self._program(key)
+                try:
+                    held = self._kernel(program, name)
+                except cl.Error as error:
+                    raise DeviceError(f"kernels/{source}.cl has no kernel {name!r}") from error
             self._kernels[key, name] = held
         return held
 
     def kernel_from_text(self, text: str, name: str, **definitions: int | str) -> Kernel:
         """Kernel `name` of a source text (with includes already inlined); tests call device functions through it."""
-        import pyopencl as cl
-
-        program = self._build(text, _sorted_definitions(definitions), "a source text")
-        return Kernel(cl.Kernel(program, name), self._queue, self._record, LOCAL_SIZE)
+        with self.build_time.counted():
+            return self._kernel(self._build(text, _sorted_definitions(definitions), "a source text"), name)
 
     def upload(self, array: NDArray[Any], dtype: Any = None) -> DeviceArray:
         """Copy of a host array on the device, C-contiguous; an empty one gets room for one item."""
@@ -185,7 +189,6 @@ class Device:
 
         options = ["-cl-std=CL1.2", "-cl-kernel-arg-info", f"-DHR_SOURCE_DIGEST=0x{source_digest()}UL"]
         options += [f"-D{name}={value}" for name, value in definitions]
-        start = time.perf_counter()
         try:
             with warnings.catch_warnings():
                 # Drivers report "N warnings generated" for harmless remarks; the tests turn this into an error.
@@ -193,8 +196,12 @@ class Device:
                 program: cl.Program = cl.Program(self._context, text).build(options)
         except cl.Error as error:
             raise DeviceError(f"{label} does not build on {self.info.name}:\n{error}") from error
-        self.build_seconds += time.perf_counter() - start
         return program
+
+    def _kernel(self, program: cl.Program, name: str) -> Kernel:
+        import pyopencl as cl
+
+        return Kernel(cl.Kernel(program, name), self._queue, self._record, self.build_time, LOCAL_SIZE)
 
 
 def _sorted_definitions(definitions: dict[str, int | str]) -> tuple[tuple[str, str], ...]:

@@ -63,7 +63,7 @@ class Referee:
 
     def states(self) -> Iterator[RefereeState]:
         """Run, yielding after each round; whoever stops asking keeps what is known so far."""
-        cpu = time.process_time()
+        cpu = self.device.work_cpu_seconds()
         bvh = build_bvh(self.device, self.scene.patches)
         referee = prepare_referee(upload_scene(self.device, self.scene, bvh, occlusion=True), self.scene)
         parts = rounds(referee, len(self._position), self._wanted)
@@ -71,9 +71,9 @@ class Referee:
         for first, count in parts:
             sums = trace_round(referee, self._position, self._normal, first_path=first, n_paths=count, seed=self.seed)
             self._totals.add(sums, count)
-            self.cpu_seconds += time.process_time() - cpu
+            self.cpu_seconds += self.device.work_cpu_seconds() - cpu
             yield self._state(wanted)
-            cpu = time.process_time()
+            cpu = self.device.work_cpu_seconds()
 
     def samples(self) -> RefereeSamples:
         """Spectra of all readings, in the order of the sensors.

@@ -108,13 +108,13 @@ class RadiositySolver:
         yield self._state("geometry")
         while self.replicates < self._wanted():
             before = self.checkpoint()
-            cpu = time.process_time()
+            cpu = self.device.work_cpu_seconds()
             try:
                 self._replicate(surfaces)
             except KeyboardInterrupt:
                 self._load(before)
                 raise
-            self.cpu_seconds += time.process_time() - cpu
+            self.cpu_seconds += self.device.work_cpu_seconds() - cpu
             yield self._state("replicate")
 
     @property
@@ -202,7 +202,7 @@ class RadiositySolver:
     def _prepare(self) -> SurfaceSolver:
         """Ray structure, lit sides, plan and elements; once."""
         if self._surfaces is None:
-            cpu = time.process_time()
+            cpu = self.device.work_cpu_seconds()
             with self.record.timed("geometry"):
                 bvh = build_bvh(self.device, self.scene.patches)
                 self._lit = lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
@@ -212,18 +212,18 @@ class RadiositySolver:
                 surfaces = self.surface_solver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
                 surfaces.plan = surfaces.sized_plan(self._calibration)
                 self._surfaces = surfaces
-            self.cpu_seconds += time.process_time() - cpu
+            self.cpu_seconds += self.device.work_cpu_seconds() - cpu
         return self._surfaces
 
     def _check(self, bvh: Bvh, lit: LitSides) -> float:
         """Look for what is doubtful about the scene; returns minus the CPU seconds, which are no part of solving."""
-        cpu = time.process_time()
+        cpu = self.device.work_cpu_seconds()
         with self.record.timed("check"):
             has_surfaces = len(self.scene.patches) > 0
             findings = check_scene(self.scene, bvh, lit, seed=self.options.seed) if has_surfaces else ()
             raise_faults(findings, self.scene)
             self.notes = (*self.scene.notes, *(finding.as_note() for finding in findings))
-        return cpu - time.process_time()
+        return cpu - self.device.work_cpu_seconds()
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
@@ -308,6 +308,7 @@ class RadiositySolver:
             "replicates": self.replicates,
             "stage_seconds": dict(self.record.seconds),
             "solve_cpu_s": self.cpu_seconds,
+            "kernel_build_s": self.device.build_time.wall,
             "wall_s": self._earlier_seconds + self._elapsed(),
             "rays": self.record.rays,
             "hemicubes": {"drawn": self.record.hemicubes, "seconds": self.record.hemicube_seconds},

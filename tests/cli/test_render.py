@@ -71,7 +71,18 @@ def test_run_record(rendered):
     assert run["complete"] is True
     assert run["replicates"] == 4
     assert run["interval_parts"] == ["sampling"]
-    for key in ("plan", "options", "seed", "versions", "device", "stage_seconds", "solve_cpu_s", "rays", "iterations"):
+    for key in (
+        "plan",
+        "options",
+        "seed",
+        "versions",
+        "device",
+        "stage_seconds",
+        "solve_cpu_s",
+        "kernel_build_s",
+        "rays",
+        "iterations",
+    ):
         assert run[key] is not None
     assert len(run["defects_before_closure"]) == len(run["iterations"]) == 4
     assert run["versions"]["numpy"] == np.__version__

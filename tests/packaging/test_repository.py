@@ -85,6 +85,14 @@ def test_kernels_stand_apart_from_device_functions():
         assert has_kernel == (path.parent.name == "kernels"), path
 
 
+def test_kernels_take_the_number_of_items():
+    """The device launches each kernel with no items first, so that compiling is not taken for work."""
+    for path in KERNELS:
+        text = without_comments(path.read_text(encoding="utf-8"))
+        for kernel in text.split("__kernel")[1:]:
+            assert re.search(r"\bconst uint n_items\s*\)\s*{", kernel), path
+
+
 def test_headers_are_guarded():
     for path in sorted((OWN_SUITE / "cl" / "include").glob("*.h")):
         guard = path.stem.upper() + "_H"
