@@ -1,7 +1,7 @@
 """Spectral radiosity for lighting research.
 
-``load_scene(path)``, ``solve(scene, Options(…))`` and the values they deal in; the layers below are there for those who
-build on them. Nothing heavy is imported before it is used.
+``load_scene(path)``, ``solve(scene, Options(…))`` and the values they deal in; ``form_factor(a, b)`` and
+``form_factor_matrix(polygons)`` for those who need no more; the layers below are there for those who build on them. Nothing heavy is imported before it is used.
 """
 
 from importlib import import_module
@@ -14,19 +14,36 @@ if TYPE_CHECKING:
     from hradiosity.options import Options as Options
     from hradiosity.radiosity.solver import solve as solve
     from hradiosity.solution import Solution as Solution
+    from hradiosity.transport.form_factor.interface import FormFactors as FormFactors
+    from hradiosity.transport.form_factor.interface import form_factor as form_factor
+    from hradiosity.transport.form_factor.interface import form_factor_matrix as form_factor_matrix
 
 __version__ = "0.1.0"
 
 _HOMES = {
     "Device": "hradiosity.device",
+    "FormFactors": "hradiosity.transport.form_factor.interface",
     "Options": "hradiosity.options",
     "SceneError": "hradiosity.errors",
     "Solution": "hradiosity.solution",
+    "form_factor": "hradiosity.transport.form_factor.interface",
+    "form_factor_matrix": "hradiosity.transport.form_factor.interface",
     "load_scene": "hradiosity.io.scene_toml",
     "solve": "hradiosity.radiosity.solver",
 }
 
-__all__ = ["Device", "Options", "SceneError", "Solution", "__version__", "load_scene", "solve"]
+__all__ = [
+    "Device",
+    "FormFactors",
+    "Options",
+    "SceneError",
+    "Solution",
+    "__version__",
+    "form_factor",
+    "form_factor_matrix",
+    "load_scene",
+    "solve",
+]
 
 
 def __getattr__(name: str) -> Any:

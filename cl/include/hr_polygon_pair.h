@@ -35,6 +35,18 @@ inline void hr_load_polygon(const uint polygon, const double3 origin, const doub
         corner[k] = (hr_row_d(polygon_corner, (size_t)polygon * HR_CORNERS + k) - origin) * inverse_length;
 }
 
+/* The least height of the polygon's corners above a plane, and the greatest. */
+HR_FORCE_INLINE double2 hr_heights(const uint polygon, const double3 point, const double3 n, HR_POLYGON_PARAMS)
+{
+    double low = INFINITY, high = -INFINITY;
+    for (uint k = 0; k < polygon_count[polygon]; ++k) {
+        const double h = hr_dot_d(hr_row_d(polygon_corner, (size_t)polygon * HR_CORNERS + k) - point, n);
+        low = hr_smaller_d(low, h);
+        high = hr_larger_d(high, h);
+    }
+    return (double2)(low, high);
+}
+
 /* Keeps what lies in front of a plane through `point` with unit normal n (Sutherland & Hodgman 1974). Returns the new
    number of corners, 0 when nothing stands out further than `flat`. */
 inline uint hr_cut_polygon(double3 *corner, const uint count, const double3 point, const double3 n, const double flat)

@@ -2,18 +2,6 @@
 #include "include/hr_area_pair.h"
 #include "include/hr_polygon_pair.h"
 
-/* The least height of the polygon's corners above a plane, and the greatest. */
-HR_FORCE_INLINE double2 hr_heights(const uint polygon, const double3 point, const double3 n, HR_POLYGON_PARAMS)
-{
-    double low = INFINITY, high = -INFINITY;
-    for (uint k = 0; k < polygon_count[polygon]; ++k) {
-        const double h = hr_dot_d(hr_row_d(polygon_corner, (size_t)polygon * HR_CORNERS + k) - point, n);
-        low = hr_smaller_d(low, h);
-        high = hr_larger_d(high, h);
-    }
-    return (double2)(low, high);
-}
-
 /* Orders 1 to 4, the lowest that the tolerance allows. */
 __kernel void area_exchange(HR_POLYGON_PARAMS,
                             __global const uint *first,        /* (n_items,)                                      */

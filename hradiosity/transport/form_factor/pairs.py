@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
 
@@ -38,38 +38,33 @@ class Pairs:
 
     polygons : PolygonSet
     first, second : (n_pairs,) uint32
+    device : Device
+    polygon_arguments : arguments of ``HR_POLYGON_PARAMS`` by name; made from `polygons` when left out
     """
 
     polygons: PolygonSet
     first: NDArray[np.uint32]
     second: NDArray[np.uint32]
     device: Device
+    polygon_arguments: dict[str, DeviceArray] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         if not self.device.info.has_double:
             name = self.device.info.name
             raise DeviceError(f"form factors of polygons need double precision, which {name} lacks; use another device")
+        if not self.polygon_arguments:
+            self.polygon_arguments.update(_upload(self.polygons, self.device))
 
     def __len__(self) -> int:
         return len(self.first)
 
     def subset(self, chosen: NDArray[Any]) -> Pairs:
         """Some of the pairs, by index or mask; they share the polygons on the device."""
-        part = Pairs(self.polygons, self.first[chosen], self.second[chosen], self.device)
-        part.__dict__["polygon_arguments"] = self.polygon_arguments
-        return part
+        return self.with_pairs(self.first[chosen], self.second[chosen])
 
-    @cached_property
-    def polygon_arguments(self) -> dict[str, DeviceArray]:
-        """Arguments of ``HR_POLYGON_PARAMS`` by name."""
-        p, upload = self.polygons, self.device.upload
-        return {
-            "polygon_corner": upload(p.corners, np.float64),
-            "polygon_count": upload(p.count, np.uint32),
-            "polygon_normal": upload(p.normal, np.float64),
-            "polygon_sphere": upload(np.column_stack([p.centre, p.radius]), np.float64),
-            "polygon_area": upload(p.area, np.float64),
-        }
+    def with_pairs(self, first: NDArray[np.uint32], second: NDArray[np.uint32]) -> Pairs:
+        """Other pairs of the same polygons, which stay on the device."""
+        return Pairs(self.polygons, first, second, self.device, self.polygon_arguments)
 
     @cached_property
     def pair_arguments(self) -> dict[str, DeviceArray]:
@@ -94,3 +89,13 @@ class Pairs:
             return Estimate(np.zeros(0), np.zeros(0))
         most = np.minimum(self.polygons.area[self.first], self.polygons.area[self.second])
         return Estimate(np.clip(self.device.fetch(exchange), 0.0, most), self.device.fetch(error))
+
+
+def _upload(polygons: PolygonSet, device: Device) -> dict[str, DeviceArray]:
+    return {
+        "polygon_corner": device.upload(polygons.corners, np.float64),
+        "polygon_count": device.upload(polygons.count, np.uint32),
+        "polygon_normal": device.upload(polygons.normal, np.float64),
+        "polygon_sphere": device.upload(np.column_stack([polygons.centre, polygons.radius]), np.float64),
+        "polygon_area": device.upload(polygons.area, np.float64),
+    }

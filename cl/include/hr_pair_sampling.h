@@ -1,0 +1,81 @@
+/* Random points on polygons and what lies between them. */
+#ifndef HR_PAIR_SAMPLING_H
+#define HR_PAIR_SAMPLING_H
+
+#include "include/hr_polygon_pair.h"
+#include "include/hr_sampling.h"
+
+/* Two numbers in [0, 1) of sample `index` (below 2^24): coordinates `dimension` and the next of a scrambled Sobol
+   sequence, or of none that repeats. */
+HR_FORCE_INLINE double2 hr_sample_pair(const uint index, const uint dimension, const uint seed, const uint sequence)
+{
+    if (sequence)
+        return (double2)(hr_sample(index, dimension, seed), hr_sample(index, dimension + 1, seed));
+    const uint key = hr_combine(hr_combine(seed, index), dimension);
+    return (double2)(hr_unit_float(key), hr_unit_float(hr_hash(key ^ 0x85ebca6bu)));
+}
+
+/* Point of a convex polygon, uniform in area: a triangle of the fan about the first corner by u, whose remainder is
+   used again; square-root map inside it. */
+inline double3 hr_point_on_polygon(const uint polygon, const double2 u, HR_POLYGON_PARAMS)
+{
+    const size_t row = (size_t)polygon * HR_CORNERS;
+    const double3 origin = hr_row_d(polygon_corner, row);
+    const double3 n = hr_row_d(polygon_normal, polygon);
+    double left = u.x * 2.0 * polygon_area[polygon];
+    double3 one = hr_row_d(polygon_corner, row + 1) - origin, other = one;
+    double twice_area = 1.0;
+    for (uint k = 2; k < polygon_count[polygon]; ++k) {
+        one = hr_row_d(polygon_corner, row + k - 1) - origin;
+        other = hr_row_d(polygon_corner, row + k) - origin;
+        twice_area = hr_dot_d(hr_cross_d(one, other), n);
+        if (left < twice_area)
+            break;
+        left -= twice_area;
+    }
+    const double share = twice_area > 0.0 ? hr_smaller_d(hr_larger_d(left, 0.0) / twice_area, 1.0) : 0.0;
+    const double far = sqrt(share);
+    return origin + far * (one + u.y * (other - one));
+}
+
+/* 1 when the segment from x along d goes through a convex polygon at 0 < t < 1; its ends do not count. */
+inline int hr_segment_blocked(const double3 x, const double3 d, const double flat, const uint polygon,
+                              HR_POLYGON_PARAMS)
+{
+    const size_t row = (size_t)polygon * HR_CORNERS;
+    const double3 n = hr_row_d(polygon_normal, polygon);
+    const double start = hr_dot_d(x - hr_row_d(polygon_corner, row), n);
+    const double end = start + hr_dot_d(d, n);
+    if (!((start > flat && end < -flat) || (start < -flat && end > flat)))
+        return 0;
+    const double3 at = x + (start / (start - end)) * d;
+    const uint count = polygon_count[polygon];
+    double3 a = hr_row_d(polygon_corner, row + count - 1);
+    for (uint k = 0; k < count; ++k) {
+        const double3 b = hr_row_d(polygon_corner, row + k);
+        if (hr_dot_d(hr_cross_d(b - a, at - a), n) < 0.0)
+            return 0;
+        a = b;
+    }
+    return 1;
+}
+
+/* 1 when a ray from x with direction d meets the front of a convex polygon. */
+inline int hr_ray_meets(const double3 x, const double3 d, const uint polygon, HR_POLYGON_PARAMS)
+{
+    const size_t row = (size_t)polygon * HR_CORNERS;
+    const double3 n = hr_row_d(polygon_normal, polygon);
+    const uint count = polygon_count[polygon];
+    double3 a = hr_row_d(polygon_corner, row + count - 1) - x;
+    if (hr_dot_d(n, a) >= 0.0 || hr_dot_d(n, d) >= 0.0)
+        return 0;
+    for (uint k = 0; k < count; ++k) {
+        const double3 b = hr_row_d(polygon_corner, row + k) - x;
+        if (hr_dot_d(hr_cross_d(a, b - a), d) > 0.0)
+            return 0;
+        a = b;
+    }
+    return 1;
+}
+
+#endif

@@ -1,0 +1,58 @@
+/* Exchange of polygon pairs by random points on both, and by random rays from one. */
+#include "include/hr_pair_sampling.h"
+
+/* One work-item takes the samples of one replicate of one pair. */
+__kernel void sample_exchange(HR_POLYGON_PARAMS,
+                              __global const uint *first,  /* (n_pairs,)                                       */
+                              __global const uint *second, /* (n_pairs,)                                       */
+                              const uint n_replicates, const uint n_samples,
+                              const uint sequence,       /* 1: Sobol points, scrambled anew in each replicate  */
+                              const uint seed,
+                              __global double *exchange, /* (n_pairs, n_replicates) A F [m^2]                  */
+                              const uint n_items)
+{
+    const uint i = get_global_id(0);
+    if (i >= n_items)
+        return;
+    const uint p = first[i / n_replicates], q = second[i / n_replicates];
+    const double3 np = hr_row_d(polygon_normal, p), nq = hr_row_d(polygon_normal, q);
+    const uint key = hr_combine(seed, i % n_replicates);
+    double sum = 0.0;
+    for (uint k = 0; k < n_samples; ++k) {
+        const double3 x = hr_point_on_polygon(p, hr_sample_pair(k, 0, key, sequence), HR_POLYGON);
+        const double3 y = hr_point_on_polygon(q, hr_sample_pair(k, 2, key, sequence), HR_POLYGON);
+        const double3 d = y - x;
+        const double r2 = hr_dot_d(d, d);
+        const double leaving = hr_dot_d(np, d), arriving = -hr_dot_d(nq, d);
+        if (leaving > 0.0 && arriving > 0.0)
+            sum += leaving * arriving / (r2 * r2);
+    }
+    exchange[i] = sum * polygon_area[p] * polygon_area[q] / (HR_PI_D * n_samples);
+}
+
+/* Cosine-distributed rays from uniform points: the share that meets the other polygon is the form factor. */
+__kernel void trace_exchange(HR_POLYGON_PARAMS,
+                             __global const uint *first,  /* (n_pairs,)                                       */
+                             __global const uint *second, /* (n_pairs,)                                       */
+                             const uint n_replicates, const uint n_samples,
+                             const uint sequence,       /* 1: Sobol points, scrambled anew in each replicate  */
+                             const uint seed,
+                             __global double *exchange, /* (n_pairs, n_replicates) A F [m^2]                  */
+                             const uint n_items)
+{
+    const uint i = get_global_id(0);
+    if (i >= n_items)
+        return;
+    const uint p = first[i / n_replicates], q = second[i / n_replicates];
+    const double3 np = hr_row_d(polygon_normal, p);
+    const float3 n = (float3)((float)np.x, (float)np.y, (float)np.z);
+    const uint key = hr_combine(seed, i % n_replicates);
+    uint met = 0;
+    for (uint k = 0; k < n_samples; ++k) {
+        const double3 x = hr_point_on_polygon(p, hr_sample_pair(k, 0, key, sequence), HR_POLYGON);
+        const double2 turn = hr_sample_pair(k, 2, key, sequence);
+        const float3 d = hr_cosine_direction(n, (float)turn.x, (float)turn.y);
+        met += (uint)hr_ray_meets(x, (double3)(d.x, d.y, d.z), q, HR_POLYGON);
+    }
+    exchange[i] = polygon_area[p] * met / n_samples;
+}

@@ -1,0 +1,14 @@
+"""Form factors by rays: cosine-distributed ones from points of the smaller polygon, counted where they arrive."""
+
+from __future__ import annotations
+
+from hradiosity.transport.form_factor.pairs import Estimate, Pairs
+from hradiosity.transport.form_factor.sampling import Sampling, sampled_exchange
+
+
+def ray_exchange(pairs: Pairs, sampling: Sampling) -> Estimate:
+    """A F of pairs as ``A_i`` times the share of rays that meet the other polygon.
+
+    Each ray counts 1 or 0, so that no variance is infinite, but a small share takes many rays.
+    """
+    return sampled_exchange(pairs, "trace_exchange", sampling)
