@@ -103,6 +103,29 @@ class ClassicCalibration:
 
 
 @dataclass(frozen=True)
+class SightShare:
+    """What shafts proved about the lamps of one kind and the elements of the lit space that they shine into.
+
+    lamp : name of the luminaire
+    space : number of the lit space, from 0
+    lamps : lamps of that kind there
+    pairs : pairs of an element and a lamp that face each other
+    free : those of them with nothing in between for sure
+    """
+
+    lamp: str
+    space: int
+    lamps: int
+    pairs: int
+    free: int
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether nothing stands between any of them."""
+        return self.free == self.pairs
+
+
+@dataclass(frozen=True)
 class Plan:
     """What a run will do; prints itself.
 
@@ -118,8 +141,10 @@ class Plan:
     interreflection : whether reflected light is computed
     memory_bytes : estimated peak of the device arrays
     seconds : expected wall seconds; None when the device was never measured
+    solver : what solves for the light on the surfaces; empty when nothing reflects
     shooters, hemicubes, shots : of the classic mode: patches that shoot, and what is drawn and shot in all replicates
         together; 0 in the mode of rays
+    sight : what shafts proved of each kind of lamp in each lit space; empty where none were tried
     """
 
     effects: tuple[Effect, ...]
@@ -141,18 +166,22 @@ class Plan:
     interreflection: bool
     memory_bytes: int
     seconds: float | None
+    solver: str = ""
     shooters: int = 0
     hemicubes: int = 0
     shots: int = 0
+    sight: tuple[SightShare, ...] = ()
 
     def lines(self) -> list[str]:
         """The plan in words, a line each."""
         width = max((len(effect.name) for effect in self.effects), default=0)
         out = [effect.line(width) for effect in self.effects]
+        out += [f"lamp '{s.lamp}' in space {s.space}: free everywhere" for s in self.sight if s.is_whole]
         out += [
             f"{self.n_patches} patches in {self.n_elements} elements of about {self.element_size:.3g} m; "
             f"emitters: {self.n_emitters}, readings: {self.n_readings}, bands: {self.n_bands}",
             f"about {self._effort()}, in {self.replicates} replicates; {self.memory_bytes / 2**20:.0f} MiB",
+            f"solver: {self.solver or 'none, since nothing reflects'}",
         ]
         if self.size_bound:
             counts = f"{self.elements_asked} asked for, {self.n_elements} made"

@@ -11,9 +11,11 @@ from hradiosity.errors import Fault, SceneError
 from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
-from hradiosity.plan import Calibration, Effect, Plan, SpectralColumns
+from hradiosity.plan import Calibration, Effect, Plan, SightShare, SpectralColumns
 from hradiosity.space.convexity import is_convex
+from hradiosity.space.hierarchy import Elements
 from hradiosity.space.lit_sides import LitSides
+from hradiosity.space.shafts import FREE, HIDDEN, UNKNOWN
 
 LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
 """Bounds of a row element's edge, as shares of the mean free path of light."""
@@ -125,6 +127,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
         interreflection=interreflection.needed,
         memory_bytes=0,
         seconds=None,
+        solver=_solver_name(options) if interreflection.needed else "",
     )
     return sized(plan, n_elements)
 
@@ -139,6 +142,13 @@ def _element_size(area: float, options: Options, free_path: float) -> tuple[floa
     if size > LARGEST_SHARE * free_path:
         return LARGEST_SHARE * free_path, f"cells no larger than {100 * LARGEST_SHARE:g} % of the mean free path"
     return size, ""
+
+
+def _solver_name(options: Options) -> str:
+    """In the words of ``--solver``."""
+    if options.mode == "classic":
+        return "southwell"
+    return f"{options.solver} with {options.blocks} blocks" if options.solver == "block-inversion" else options.solver
 
 
 def _elements_of(area: float, size: float) -> int:
@@ -157,10 +167,69 @@ def sized(plan: Plan, n_elements: int, calibration: Calibration | None = None) -
     return changed if calibration is None else _with_seconds(changed, calibration)
 
 
+def with_sight(
+    plan: Plan,
+    sight: NDArray[np.uint8],
+    shares: tuple[SightShare, ...],
+    *,
+    readings_proved: bool,
+    calibration: Calibration | None = None,
+) -> Plan:
+    """The plan once shafts were tried.
+
+    Parameters
+    ----------
+    sight : (n_rows, n_emitters) uint8
+        See `hradiosity.space.shafts`.
+    shares : tuple of SightShare
+    readings_proved : bool
+        The same is sure of all readings.
+    calibration : Calibration, optional
+        Rates of the device, for the seconds that the proofs save.
+    """
+    facing = max(int(np.count_nonzero(sight != HIDDEN)), 1)
+    free = np.count_nonzero(sight == FREE) / facing
+    saved = 0.0 if calibration is None else free * _shadow_seconds(plan, calibration)
+    whole = int((sight != UNKNOWN).all(axis=0).sum())
+    if whole == plan.n_emitters and readings_proved:
+        because = "nothing stands between lamps, surfaces and readings: proved by shafts"
+    else:
+        because = f"{100 * free:.0f} % of {facing} element-lamp pairs proved free by shafts"
+        because += f", for {whole} of {plan.n_emitters} lamps all" if whole else ""
+    occlusion = Effect("occlusion", whole < plan.n_emitters or not readings_proved, because, saved)
+    effects = tuple(occlusion if effect.name == "occlusion" else effect for effect in plan.effects)
+    seconds = None if plan.seconds is None else plan.seconds - saved
+    return replace(plan, effects=effects, occlusion=occlusion.needed, seconds=seconds, sight=shares)
+
+
+def sight_shares(
+    scene: Scene, elements: Elements, space: NDArray[np.int32], sight: NDArray[np.uint8]
+) -> tuple[SightShare, ...]:
+    """What is sure of each kind of lamp in each space (n_rows,) that it stands in; point sources stand in all."""
+    lamps = scene.emitters
+    cell = elements.first_cell[np.maximum(lamps.patch, 0), 0]
+    own = np.where(lamps.patch == NONE, -1, space[elements.cell_row[np.minimum(cell, len(elements.cell_row) - 1)]])
+    out = []
+    for s in np.unique(space):
+        inside = sight[space == s]
+        facing, free = (inside != HIDDEN).sum(axis=0), (inside == FREE).sum(axis=0)
+        here = ((own == s) | (own == -1)) & (facing > 0)
+        for k in np.unique(lamps.luminaire[here]):
+            of_kind = here & (lamps.luminaire == k)
+            counts = int(of_kind.sum()), int(facing[of_kind].sum()), int(free[of_kind].sum())
+            out.append(SightShare(scene.luminaires[k].name, int(s), *counts))
+    return tuple(out)
+
+
+def _shadow_seconds(plan: Plan, calibration: Calibration) -> float:
+    """Expected seconds of all shadow rays from elements."""
+    return plan.replicates * plan.n_elements * plan.n_emitters * plan.light_points / calibration.shadow_rays_per_s
+
+
 def _with_seconds(plan: Plan, calibration: Calibration) -> Plan:
     """The plan with expected seconds, and what the effects that are left out save."""
     rays = plan.replicates * plan.n_elements * plan.rays_per_element
-    shadows = plan.replicates * plan.n_elements * plan.n_emitters * plan.light_points / calibration.shadow_rays_per_s
+    shadows = _shadow_seconds(plan, calibration)
     reflection = (
         rays * 8 * plan.columns.n_groups * calibration.solve_s_per_ray_column
         + plan.replicates * plan.n_readings * plan.gather_samples / calibration.paths_per_s

@@ -16,19 +16,22 @@ from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
-from hradiosity.planning import sized
+from hradiosity.planning import sight_shares, sized, with_sight
 from hradiosity.readings.interval import RunningMoments
 from hradiosity.readings.sensors import SurfaceLight, emitter_choice
 from hradiosity.solution import Surfaces
+from hradiosity.solvers.choice import SolverChoice, solve_system
 from hradiosity.solvers.deflation import DEFLATE_ABOVE, deflation_vectors
-from hradiosity.solvers.krylov import Convergence, solve_irradiance
+from hradiosity.solvers.dense import DIRECT_SOLVERS, check_dense_size
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.reduced import solve_by_basis
+from hradiosity.solvers.result import Convergence
+from hradiosity.solvers.southwell import shooting_weights
 from hradiosity.solvers.spectral_basis import SpectralBasis, choose_basis
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
-from hradiosity.space.shafts import UNKNOWN, EmitterShapes, row_sight
+from hradiosity.space.shafts import UNKNOWN, EmitterShapes, point_sight, row_sight
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import Defects, Exchange, RowHits, build_exchange, trace_rows
@@ -109,6 +112,8 @@ class SurfaceSolver:
         self._weight_on_device = device.upload(columns.padded(luminous + EQUAL_ENERGY_WEIGHT * equal))
         self._sky = columns.padded(columns.sky)
         self._sky_on_device = device.upload(self._sky)
+        weight = columns.padded(shooting_weights(columns.expansion, luminous_weights(scene.bands)))
+        self._choice = SolverChoice(options.solver, weight, options.blocks)
         self._cut(lit)
 
     def _cut(self, lit: LitSides) -> None:
@@ -128,8 +133,9 @@ class SurfaceSolver:
         self._basis = self._choose_basis()
 
     def _prove(self, lit: LitSides) -> NDArray[np.uint8] | None:
-        """What shafts prove about rows and emitters; None where the plan or the user decided without them."""
-        if not self.on_device.shafts or not self.plan.occlusion:
+        """What shafts prove about rows and emitters; None where it was decided without them, or there are none."""
+        decided = not self.on_device.shafts or not self.plan.occlusion
+        if decided or not len(self.elements) or not len(self.scene.emitters):
             return None
         sight = row_sight(self._bvh, self.scene.patches, self.elements, EmitterShapes.of(self.scene), lit)
         self.on_device_elements = self.on_device_elements.with_sight(self.device, sight)
@@ -168,8 +174,29 @@ class SurfaceSolver:
         )
 
     def sized_plan(self, calibration: Calibration | ClassicCalibration | None) -> Plan:
-        """The plan for the elements that were cut, with seconds if the device was measured in this mode."""
-        return sized(self.plan, len(self.elements), calibration if isinstance(calibration, Calibration) else None)
+        """The plan for the elements that were cut, with seconds if the device was measured in this mode.
+
+        Raises
+        ------
+        SceneError
+            When the solver asked for would need too much memory.
+        """
+        if self.options.solver in DIRECT_SOLVERS and self.plan.interreflection:
+            check_dense_size(len(self.elements), self.options.solver)
+        known = calibration if isinstance(calibration, Calibration) else None
+        plan = sized(self.plan, len(self.elements), known)
+        if self.sight is None:
+            return plan
+        shares = sight_shares(self.scene, self.elements, self.space, self.sight)
+        readings = not (self.sight == UNKNOWN).any() and self._readings_proved()
+        return with_sight(plan, self.sight, shares, readings_proved=readings, calibration=known)
+
+    def _readings_proved(self) -> bool:
+        """Whether shafts prove that nothing stands between any reading and any emitter."""
+        shapes = EmitterShapes.of(self.scene)
+        return all(
+            bool((point_sight(self._bvh, shapes, s.position, s.normal) != UNKNOWN).all()) for s in self.scene.sensors
+        )
 
     def surfaces(self) -> Surfaces:
         """Mean over the replicates so far."""
@@ -255,19 +282,19 @@ class SurfaceSolver:
     def _iterate(
         self, operator: ExchangeOperator, reflectance: NDArray[np.float32], direct: NDArray[np.float32]
     ) -> NDArray[np.float32]:
-        """Irradiance by conjugate gradients, on a basis of columns where that is good enough."""
+        """Irradiance by the solver of choice, on a basis of columns where that is good enough."""
         start = self._indirect.mean.astype(np.float32) if self._indirect.count else None
         tolerance = self.options.tolerance
         if self._basis is not None:
             irradiance, convergence = solve_by_basis(
-                operator, reflectance, direct, self._basis, tolerance=tolerance, start=start, deflation=self._deflation
+                self._choice, operator, reflectance, direct, self._basis, tolerance=tolerance, start=start, deflation=self._deflation
             )
             self.record.convergence.append(convergence)
             if convergence.spectral_defect <= SPECTRAL_DEFECT * tolerance:
                 return irradiance
             start = irradiance - direct
-        irradiance, convergence = solve_irradiance(
-            operator, reflectance, direct, tolerance=tolerance, start=start, deflation=self._deflation
+        irradiance, convergence = solve_system(
+            self._choice, operator, reflectance, direct, tolerance=tolerance, start=start, deflation=self._deflation
         )
         self.record.convergence.append(replace(convergence, solved_columns=self.plan.columns.n_columns))
         return irradiance
