@@ -1,7 +1,8 @@
 """Spectral radiosity for lighting research.
 
 ``load_scene(path)``, ``solve(scene, Options(…))`` and the values they deal in; ``form_factor(a, b)`` and
-``form_factor_matrix(polygons)`` for those who need no more; the layers below are there for those who build on them. Nothing heavy is imported before it is used.
+``form_factor_matrix(polygons)`` for those who need no more; the layers below are there for those who build on them.
+Nothing heavy is imported before it is used.
 """
 
 from importlib import import_module

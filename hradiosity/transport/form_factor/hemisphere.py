@@ -1,4 +1,4 @@
-"""Form factors by exact projection on the hemisphere over points of the smaller polygon (Nusselt 1928, Lambert 1760)."""
+"""Form factors by exact projection on a hemisphere over points of the smaller polygon (Lambert 1760, Nusselt 1928)."""
 
 from __future__ import annotations
 

@@ -13,7 +13,7 @@ from hradiosity.device import Device
 from hradiosity.transport.form_factor.methods import USED, Method, Settings, pair_exchange
 from hradiosity.transport.form_factor.occlusion import Occluders
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
-from hradiosity.transport.form_factor.polygons import PolygonSet, polygon_set, stack_corners
+from hradiosity.transport.form_factor.polygons import PolygonSet, is_single, polygon_set, stack_corners
 from hradiosity.transport.form_factor.sampling import Sequence as PointSequence
 
 PAIRS_AT_ONCE: Final = 2**22
@@ -197,19 +197,17 @@ def _together(named: dict[str, Polygons | None]) -> tuple[tuple[PolygonSet, list
         stack_corners(given, name) if given is not None else (np.zeros((0, 3, 3)), np.zeros(0, np.uint32))
         for name, given in named.items()
     ]
-    single = [given is None or _is_single(given) for given in named.values()]
+    single = [given is None or is_single(given) for given in named.values()]
     labels = [
-        name if alone else f"{name}[{i}]" for name, alone, (rows, _) in zip(named, single, stacks) for i in range(len(rows))
+        name if alone else f"{name}[{i}]"
+        for name, alone, (rows, _) in zip(named, single, stacks)
+        for i in range(len(rows))
     ]
     most = max(rows.shape[1] for rows, _ in stacks)
     corners = np.concatenate([np.pad(rows, ((0, 0), (0, most - rows.shape[1]), (0, 0)), "edge") for rows, _ in stacks])
     count = np.concatenate([number for _, number in stacks])
     middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) if len(corners) else np.zeros(3)
     return (polygon_set(corners, count, labels, middle), [len(rows) for rows, _ in stacks]), all(single[:2])
-
-
-def _is_single(polygons: Any) -> bool:
-    return polygons.ndim == 2 if isinstance(polygons, np.ndarray) else len(polygons) > 0 and np.ndim(polygons[0]) == 1
 
 
 def _rank(polygons: PolygonSet) -> NDArray[np.intp]:

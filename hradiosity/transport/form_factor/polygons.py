@@ -54,13 +54,9 @@ def stack_corners(polygons: ArrayLike | Sequence[ArrayLike], name: str) -> tuple
         Shapes that are no polygons, fewer than three corners, more than `MOST_CORNERS`, or coordinates that are not
         finite; names the polygon as ``name[index]``.
     """
-    if isinstance(polygons, np.ndarray) and polygons.ndim in (2, 3):
-        single = polygons.ndim == 2
-        rows = [np.asarray(polygons, np.float64)] if single else list(np.asarray(polygons, np.float64))
-    else:
-        listed: Sequence[Any] = polygons  # type: ignore[assignment]
-        single = len(listed) > 0 and np.ndim(listed[0]) == 1
-        rows = [_float_array(listed, name)] if single else [_float_array(p, f"{name}[{i}]") for i, p in enumerate(listed)]
+    single = is_single(polygons)
+    listed: Sequence[Any] = [polygons] if single else polygons  # type: ignore[assignment]
+    rows = [_float_array(row, name if single else f"{name}[{i}]") for i, row in enumerate(listed)]
     for i, row in enumerate(rows):
         label = name if single else f"{name}[{i}]"
         if row.ndim != 2 or row.shape[1] != 3:
@@ -75,6 +71,13 @@ def stack_corners(polygons: ArrayLike | Sequence[ArrayLike], name: str) -> tuple
     for i, row in enumerate(rows):
         corners[i] = row[np.minimum(np.arange(most), len(row) - 1)]
     return corners, count
+
+
+def is_single(polygons: Any) -> bool:
+    """Whether it is one polygon, (k, 3), and no collection of them."""
+    if isinstance(polygons, np.ndarray):
+        return polygons.ndim == 2
+    return len(polygons) > 0 and np.ndim(polygons[0]) == 1
 
 
 def _float_array(polygon: ArrayLike, label: str) -> NDArray[np.float64]:
