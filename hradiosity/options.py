@@ -8,6 +8,9 @@ from typing import Any, Final, Literal, get_args
 
 Mode = Literal["rays", "classic"]
 Quality = Literal["draft", "normal", "fine"]
+SolverName = Literal[
+    "cg", "southwell", "overshooting", "jacobi", "gauss-seidel", "gaussian-elimination", "block-inversion", "auto"
+]
 QUALITIES: Final = MappingProxyType(
     {
         "draft": {
@@ -42,6 +45,8 @@ class Options:
     occlusion, interreflection : force an effect on or off
     pictures : pictures or maps will be drawn, which calls for shadow refinement
     tolerance : of the linear solver, residual over right-hand side
+    solver : ``--solver`` of the command line; the classic mode always shoots
+    blocks : along each edge of the matrix, for the solver "block-inversion"
     reduced_basis : solve a few columns and combine the others from them where a certificate allows it; False solves
         all
     seed : of all random numbers, 0 to 2³² − 1
@@ -63,6 +68,8 @@ class Options:
     interreflection: bool | None = None
     pictures: bool = False
     tolerance: float = 1e-3
+    solver: SolverName = "cg"
+    blocks: int = 4
     reduced_basis: bool = True
     seed: int = 0
     mode: Mode = "rays"
@@ -93,6 +100,12 @@ class Options:
                 raise ValueError(f"{name} must be > 0, is {value}")
         if not 0.0 < self.tolerance < 1.0:
             raise ValueError(f"tolerance must lie between 0 and 1, is {self.tolerance}")
+        if self.solver not in get_args(SolverName):
+            raise ValueError(f"solver must be one of {', '.join(get_args(SolverName))}, is {self.solver!r}")
+        if self.mode == "classic" and self.solver not in ("cg", "southwell"):
+            raise ValueError(f"solver must be southwell in the classic mode, is {self.solver!r}")
+        if self.blocks < 1:
+            raise ValueError(f"blocks must be at least 1, is {self.blocks}")
         if self.mode not in get_args(Mode):
             raise ValueError(f"mode must be one of {', '.join(get_args(Mode))}, is {self.mode!r}")
         if self.hemicube_resolution < 8 or self.hemicube_resolution % 2:

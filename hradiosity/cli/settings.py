@@ -9,7 +9,7 @@ from cyclopts import Group, Parameter
 
 from hradiosity.cli.values import Switch, seconds, share
 from hradiosity.errors import Fault, SceneError
-from hradiosity.options import Mode, Options, Quality
+from hradiosity.options import Mode, Options, Quality, SolverName
 
 EFFORT = Group("Accuracy and effort", sort_key=1)
 EFFECTS = Group("What is computed", sort_key=2)
@@ -59,6 +59,12 @@ class Settings:
         Whether reflected light is computed.
     mode
         How light is exchanged: rays, or classic for hemicubes, shooting and adaptive subdivision.
+    solver
+        What solves for the light on the surfaces: conjugate gradients (cg), progressive shooting (southwell), the same
+        with overshooting, jacobi, gauss-seidel; gaussian-elimination and block-inversion for small scenes; or auto,
+        which shoots first and finishes with cg. The classic mode always shoots.
+    blocks
+        Along each edge of the matrix, for block-inversion.
     device
         Number from `hradiosity devices`, or a part of the device's name.
     """
@@ -78,6 +84,8 @@ class Settings:
     occlusion: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     interreflection: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     mode: Annotated[Mode, Parameter(group=EFFECTS)] = Options.mode
+    solver: Annotated[SolverName, Parameter(group=EFFECTS)] = Options.solver
+    blocks: Annotated[int, Parameter(group=EFFECTS)] = Options.blocks
     device: str | None = None
 
     def options(self) -> Options:
@@ -100,6 +108,8 @@ class Settings:
                 interreflection=self.interreflection.forced,
                 seed=self.seed,
                 mode=self.mode,
+                solver=self.solver,
+                blocks=self.blocks,
             )
         except ValueError as error:
             raise SceneError([Fault("command line", "", str(error).replace("_", "-"), "")]) from error

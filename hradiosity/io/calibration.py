@@ -84,7 +84,7 @@ def _measure_classic(solution: Solution) -> ClassicCalibration | None:
     drawn, drawing = record["hemicubes"]["drawn"], record["hemicubes"]["seconds"]
     resolution = record["options"]["hemicube_resolution"]
     rest = sum(record["stage_seconds"].get(stage, 0.0) for stage in _CLASSIC_STAGES) - drawing
-    shots = sum(solved["products"] for solved in record["solver"])
+    shots = int(sum(solved["products"] for solved in record["solver"]) * plan.shooters)
     done = products(shots, drawn, plan.shooters, plan.columns.n_columns)
     if drawing < 0.01 or rest < 0.01 or not shots:
         return None

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.radiosity.surfaces import Record
-from hradiosity.solvers.krylov import Convergence
+from hradiosity.solvers.result import Convergence, Stage
 from hradiosity.transport.exchange import Defects
 
 
@@ -40,9 +40,14 @@ def unpack_record(packed: NDArray[np.uint8]) -> tuple[Record, Mapping[str, float
         hemicubes=found["hemicubes"],
         hemicube_seconds=found["hemicube_seconds"],
         defects=[Defects(**d) for d in found["defects"]],
-        convergence=[Convergence(**(c | {"residual": tuple(c["residual"])})) for c in found["convergence"]],
+        convergence=[_convergence(c) for c in found["convergence"]],
     )
     return record, found["numbers"]
+
+
+def _convergence(found: dict[str, Any]) -> Convergence:
+    stages = tuple(Stage(**stage) for stage in found["stages"])
+    return Convergence(**(found | {"residual": tuple(found["residual"]), "stages": stages}))
 
 
 def part_of(kept: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:

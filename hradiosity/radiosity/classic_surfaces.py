@@ -6,6 +6,7 @@ element costs no further hemicube. Then patches shoot what they reflect (Cohen, 
 
 from __future__ import annotations
 
+import time
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -18,7 +19,7 @@ from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning_classic import ClassicSizes, classic_plan
 from hradiosity.radiosity.shooting import KEPT_BYTES, ShootingPoints, ShootingRows, over_area, shooting_points
 from hradiosity.radiosity.surfaces import SurfaceSolver
-from hradiosity.solvers.krylov import Convergence
+from hradiosity.solvers.result import Convergence
 from hradiosity.solvers.southwell import ShootingSystem, shoot, shooting_weights
 from hradiosity.space.hierarchy import COVERED, Elements
 from hradiosity.space.lit_sides import LitSides
@@ -258,13 +259,20 @@ class ClassicSurfaces(SurfaceSolver):
         )
         weight = shooting_weights(self.plan.columns.expansion, luminous_weights(self.scene.bands))
         batch = max(LEAST_BATCH, n_patches // SHOT_SHARE)
-        history = []
+        history, cpu = [], time.process_time()
         for state in shoot(
             system, weight, tolerance=self.options.tolerance, batch=batch, max_shots=SHOTS_A_PATCH * n_patches
         ):
             history.append(state.residual)
         self.record.convergence.append(
-            Convergence(tuple(history), history[-1] <= self.options.tolerance, products=state.shots, deflated=0)
+            Convergence(
+                tuple(history),
+                history[-1] <= self.options.tolerance,
+                products=state.shots / max(n_patches, 1),
+                solved_columns=direct.shape[1],
+                solver="southwell",
+                seconds=time.process_time() - cpu,
+            )
         )
         return state.shot
 

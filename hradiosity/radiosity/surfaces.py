@@ -287,7 +287,14 @@ class SurfaceSolver:
         tolerance = self.options.tolerance
         if self._basis is not None:
             irradiance, convergence = solve_by_basis(
-                self._choice, operator, reflectance, direct, self._basis, tolerance=tolerance, start=start, deflation=self._deflation
+                self._choice,
+                operator,
+                reflectance,
+                direct,
+                self._basis,
+                tolerance=tolerance,
+                start=start,
+                deflation=self._deflation,
             )
             self.record.convergence.append(convergence)
             if convergence.spectral_defect <= SPECTRAL_DEFECT * tolerance:

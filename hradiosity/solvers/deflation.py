@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from hradiosity.solvers.column_algebra import column_dot
 from hradiosity.solvers.operator import ExchangeOperator
+from hradiosity.solvers.result import Columns
 
 LANCZOS_STEPS = 20
 DEFLATE_ABOVE = 0.8
@@ -57,22 +58,22 @@ def _orthonormalise(vector: NDArray[np.float64], basis: list[NDArray[np.float64]
 class CoarseSpace:
     """The deflation space of each column: W, A W and (Wᵀ A W)⁻¹ with A = I − R½ S R½."""
 
-    def __init__(self, operator: ExchangeOperator, root: NDArray[np.float32], vectors: NDArray[np.float64]) -> None:
-        self.size = vectors.shape[1]
-        self._w = vectors.astype(np.float32)
+    def __init__(self, operator: ExchangeOperator, root: Columns, vectors: NDArray[np.float64]) -> None:
+        self.size, self._dtype = vectors.shape[1], operator.dtype
+        self._w = vectors.astype(self._dtype)
         self._aw = [w[:, None] - root * operator.apply(root * w[:, None]) for w in self._w.T]
         small = np.array([[column_dot(w[:, None], aw) for aw in self._aw] for w in self._w.T])
         self._inverse = np.linalg.inv(np.moveaxis(small, 2, 0))
 
-    def solve(self, residual: NDArray[np.float32]) -> NDArray[np.float32]:
+    def solve(self, residual: Columns) -> Columns:
         """W (Wᵀ A W)⁻¹ Wᵀ r."""
         return self._combine(np.array([column_dot(w[:, None], residual) for w in self._w.T]))
 
-    def project(self, residual: NDArray[np.float32]) -> NDArray[np.float32]:
+    def project(self, residual: Columns) -> Columns:
         """W (Wᵀ A W)⁻¹ (A W)ᵀ r: the part of a direction that is not conjugate to W."""
         return self._combine(np.array([column_dot(aw, residual) for aw in self._aw]))
 
-    def remove(self, residual: NDArray[np.float32]) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+    def remove(self, residual: Columns) -> tuple[Columns, Columns]:
         """W c and A W c with c = (Wᵀ A W)⁻¹ Wᵀ r."""
         factors = self._factors(np.array([column_dot(w[:, None], residual) for w in self._w.T]))
         image = np.zeros_like(residual)
@@ -80,10 +81,10 @@ class CoarseSpace:
             image += aw * factor
         return np.einsum("ni,ic->nc", self._w, factors), image
 
-    def _factors(self, right: NDArray[np.float64]) -> NDArray[np.float32]:
-        factors: NDArray[np.float32] = np.einsum("cij,jc->ic", self._inverse, right).astype(np.float32)
+    def _factors(self, right: NDArray[np.float64]) -> Columns:
+        factors: Columns = np.einsum("cij,jc->ic", self._inverse, right).astype(self._dtype)
         return factors
 
-    def _combine(self, right: NDArray[np.float64]) -> NDArray[np.float32]:
-        combined: NDArray[np.float32] = np.einsum("ni,ic->nc", self._w, self._factors(right))
+    def _combine(self, right: NDArray[np.float64]) -> Columns:
+        combined: Columns = np.einsum("ni,ic->nc", self._w, self._factors(right))
         return combined

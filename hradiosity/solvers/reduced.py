@@ -7,36 +7,41 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.solvers.choice import SolverChoice, solve_system
 from hradiosity.solvers.column_algebra import column_dot, column_ratio
-from hradiosity.solvers.krylov import Convergence, solve_irradiance
 from hradiosity.solvers.operator import ExchangeOperator
+from hradiosity.solvers.result import Columns, Solved
 from hradiosity.solvers.spectral_basis import SpectralBasis
 
 
 def solve_by_basis(
+    choice: SolverChoice,
     operator: ExchangeOperator,
-    reflectance: NDArray[np.float32],
-    direct: NDArray[np.float32],
+    reflectance: Columns,
+    direct: Columns,
     basis: SpectralBasis,
     *,
     tolerance: float,
-    start: NDArray[np.float32] | None = None,
+    start: Columns | None = None,
     deflation: NDArray[np.float64] | None = None,
-) -> tuple[NDArray[np.float32], Convergence]:
-    """As `solve_irradiance`, iterating on the basis' columns only; the others are combined and reflected once more.
+) -> Solved:
+    """As `solve_system`, iterating on the basis' columns only; the others are combined and reflected once more.
 
     That reflection with each column's own reflectance takes away most of what the combination misses; how much it
     changes is the certificate, `Convergence.spectral_defect`.
     """
+    width = -(-len(basis.solved) // 8) * 8
 
-    def solved(columns: NDArray[np.float32]) -> NDArray[np.float32]:
-        width = -(-len(basis.solved) // 8) * 8
+    def solved(columns: Columns) -> Columns:
         few = np.zeros((len(columns), width), np.float32)
         few[:, : len(basis.solved)] = columns[:, basis.solved]
         return few
 
+    weight = None if choice.weight is None else solved(choice.weight[None])[0]
+
     few_direct = solved(direct)
-    few, convergence = solve_irradiance(
+    few, convergence = solve_system(
+        replace(choice, weight=weight),
         operator,
         solved(reflectance),
         few_direct,
@@ -52,9 +57,10 @@ def solve_by_basis(
     weight = operator.root_area[:, None]
     change = np.sqrt(column_dot(weight * (smoothed - indirect), weight * (smoothed - indirect)))
     defect = float(column_ratio(change, np.sqrt(column_dot(weight * smoothed, weight * smoothed))).max(initial=0.0))
-    return direct + smoothed, replace(
+    account = replace(
         convergence,
         products=convergence.products + 1,
         solved_columns=len(basis.solved),
         spectral_defect=defect,
     )
+    return Solved(direct + smoothed, account)

@@ -1,0 +1,68 @@
+"""How far a solution is from one, in the same measure for every solver."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.solvers.column_algebra import column_dot, column_ratio
+from hradiosity.solvers.result import Columns
+
+LOCAL_SHARE = 0.1
+"""Weight of the elements' own relative residuals beside the residual of the whole."""
+TINY = np.finfo(np.float64).tiny
+
+
+class Sets:
+    """Sums and maxima over sets of connected elements, (n_rows,) numbers from 0."""
+
+    def __init__(self, component: NDArray[np.int32]) -> None:
+        self._component = component
+        order = np.argsort(component, kind="stable")
+        ends = np.cumsum(np.bincount(component, minlength=1))[:-1]
+        self._rows = np.split(order, ends)
+
+    def norms(self, x: Columns) -> NDArray[np.float64]:
+        """Euclidean norm of each set and column, (n_sets, n_columns)."""
+        if len(self._rows) == 1:
+            return np.sqrt(column_dot(x, x))[None]
+        return np.sqrt([column_dot(part, part) for part in (x[rows] for rows in self._rows)])
+
+    def largest(self, x: Columns) -> Columns:
+        """Largest |x| in each row's set, (n_rows, n_columns); (1, n_columns) if all are one set."""
+        size = np.array([np.abs(x[rows]).max(axis=0, initial=0.0) for rows in self._rows])
+        found: Columns = size if len(size) == 1 else size[self._component]
+        return found
+
+
+class Measure:
+    """How far a solution is from one, as the largest over columns of two ratios.
+
+    One is the norm of the residual over that of the right-hand side, in each set of connected elements. It says nothing
+    about a dim room behind a gap, whose light is all below the tolerance; so the other is the rms over elements, by
+    area, of residual over own light, which may be ten times larger. A thousand elements, evenly picked, stand for all.
+
+    Parameters
+    ----------
+    sets : Sets
+    rhs, emitted : (n_rows, n_columns)
+        R½ S R½ b and b = A½ R½ D.
+    area : (n_rows,)
+    """
+
+    def __init__(self, sets: Sets, rhs: Columns, emitted: Columns, area: NDArray[np.floating]) -> None:
+        self._sets = sets
+        self._size = sets.norms(rhs)
+        self._picked = slice(None, None, max(1, len(area) // 1024))
+        self._emitted = emitted[self._picked]
+        picked_area = area[self._picked].astype(np.float64)
+        self._share = picked_area / max(float(picked_area.sum()), TINY)
+
+    def __call__(self, residual: Columns, solution: Columns) -> float:
+        """Of a residual of (I − R½ S R½) w = R½ S R½ b and its solution w = A½ R½ (E − D)."""
+        size = np.abs(residual[self._picked])
+        level = np.abs(solution[self._picked]) + self._emitted + size
+        own = np.divide(size, level, out=np.zeros_like(size), where=level > 0.0)
+        local = np.sqrt(np.einsum("r,rc,rc->c", self._share, own, own))
+        everywhere = column_ratio(self._sets.norms(residual), self._size)
+        return max(float(everywhere.max(initial=0.0)), LOCAL_SHARE * float(local.max(initial=0.0)))
