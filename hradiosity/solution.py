@@ -25,7 +25,7 @@ class Readings:
         and not the mean of the intervals
     uniformity_half_width : of `uniformity`
     chromaticity, chromaticity_half_width : (n, 2) float64, CIE 1931 x and y; NaN where there is no light
-    enclosed : (n,) float64, share of the view that ends inside a solid or on sides no light reaches
+    enclosed : (n,) float64, share of the view that ends inside a solid
 
     Half widths come from the same number in each replicate, and not from those of what it is made of.
     """

@@ -6,6 +6,7 @@
 #define HR_SKY 0xFFFFFFFEu     /* left the scene above the horizon                        */
 #define HR_COVERED 0xFFFFFFFDu /* started inside a solid: that point of the element is covered */
 #define HR_UNLIT 0xFFFFFFFCu   /* ended on a side that no light was found to reach        */
-#define HR_IS_ROW(outcome) ((outcome) < HR_UNLIT)
+#define HR_LONG 0xFFFFFFFBu    /* of a path: not ended where its places for lit hits did       */
+#define HR_IS_ROW(outcome) ((outcome) < HR_LONG)
 
 #endif

@@ -46,10 +46,13 @@ HR_FORCE_INLINE hr_explicit hr_light_hit(const float3 x, const float3 n, const u
     hr_explicit light = {0, 0.0f, 0.0f, 0};
     if (n_emitters == 0)
         return light;
-    __global const float *sums = emitter_choice + (size_t)row * n_emitters;
-    const uint emitter = hr_draw(sums, n_emitters, numbers.z);
+    const int known = HR_IS_ROW(row);
+    __global const float *sums = emitter_choice + (known ? (size_t)row * n_emitters : 0);
+    const uint emitter = known ? hr_draw(sums, n_emitters, numbers.z)
+                               : (uint)hr_smaller(numbers.z * (float)n_emitters, (float)(n_emitters - 1));
     const uint patch = emitter_patch[emitter];
-    const float probability = sums[emitter] - (emitter > 0 ? sums[emitter - 1] : 0.0f);
+    const float probability =
+        known ? sums[emitter] - (emitter > 0 ? sums[emitter - 1] : 0.0f) : 1.0f / (float)n_emitters;
     light.emitter = emitter;
     if (own == patch)
         return light;
@@ -65,7 +68,7 @@ HR_FORCE_INLINE hr_explicit hr_light_hit(const float3 x, const float3 n, const u
         return light;
     }
     light.near_probability = near ? probability : 0.0f;
-    light.clear = near && row_direct[(size_t)row * n_emitters + emitter] > 0.5f * factor;
+    light.clear = near && known && row_direct[(size_t)row * n_emitters + emitter] > 0.5f * factor;
     const float drawn = near ? hr_balanced_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH) : factor;
     const float3 origin = hr_offset_origin(x, n, scale);
     const int hidden = drawn > 0.0f && hr_any_hit(HR_BVH, origin, y - origin, 1.0f, own, patch);
@@ -101,9 +104,11 @@ HR_FORCE_INLINE uint hr_row_of_hit(const hr_hit hit, const float3 direction, __g
     return hit.side == HR_BACK && patch_solid[hit.patch] ? HR_COVERED : HR_UNLIT;
 }
 
-/* A path: first hit lit explicitly; at the second the solution is looked up, unless that hit is nearer than
-   `near_factor` sizes of its element, where one value for the whole element is too coarse (corners, contacts):
-   then that hit is lit explicitly too, and the solution is looked up at the third. */
+/* Paths of `path_number`: hits are lit explicitly until the solution is looked up, at the hit number `lookup` at the
+   earliest, and never at a hit nearer than `near_factor` sizes of its element: there one value for the whole element
+   is too coarse (corners, contacts, slots). Sides that no light was found to reach have no solution: there the path
+   goes on. A path that has no place left for a further lit hit is left out and marked
+   HR_LONG, to be traced again with more places, or looks the solution up all the same if `last_chance` is set. */
 __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const float *position,       /* (n_points, 3) [m]                             */
                           __global const float *normal,         /* (n_points, 3) unit                            */
@@ -112,47 +117,57 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
                           __global const float *row_size,       /* (n_rows,) edge of each element [m]            */
                           __global const float *emitter_choice, /* (n_rows, n_emitters) summed probabilities     */
                           __global const float *row_direct,     /* (n_rows, n_emitters) of each element          */
-                          __global uint *path_material,         /* (n_points, n_samples, 2) at the lit hits, or NONE */
-                          __global uint *path_emitter,          /* (n_points, n_samples, 2) drawn there          */
-                          __global float *path_gain,            /* (n_points, n_samples, 2) of that emitter      */
-                          __global uint *path_row,              /* (n_points, n_samples) row, or an outcome      */
-                          const uint n_samples, const uint n_emitters, const uint occlusion, const float near_factor,
-                          const uint seed, const float scale, const uint n_items)
+                          __global const uint *path_number,     /* (n_paths,) n_samples point + sample           */
+                          __global uint *path_material,         /* (n_paths, HR_LIT_HITS) at the lit hits, or NONE */
+                          __global uint *path_emitter,          /* (n_paths, HR_LIT_HITS) drawn there            */
+                          __global float *path_gain,            /* (n_paths, HR_LIT_HITS) of that emitter        */
+                          __global uint *path_row,              /* (n_paths,) row, or an outcome                 */
+                          const uint n_samples, const uint n_emitters, const uint occlusion, const uint lookup,
+                          const float near_factor, const uint last_chance, const uint seed, const float scale,
+                          const uint n_items)
 {
     const uint i = get_global_id(0);
     if (i >= n_items)
         return;
-    const uint point = i / n_samples;
-    const uint k = i % n_samples;
+    const uint point = path_number[i] / n_samples;
+    const uint k = path_number[i] % n_samples;
     const uint point_seed = hr_combine(seed, point);
+    const size_t first = (size_t)i * HR_LIT_HITS;
     float3 n = hr_load3(normal, point);
     float3 d = hr_cosine_direction(n, hr_sample(k, 0, point_seed), hr_sample(k, 1, point_seed));
     hr_hit hit = hr_closest_hit(HR_BVH, hr_offset_origin(hr_load3(position, point), n, scale), d, INFINITY, HR_NONE);
     uint row = hr_row_of_hit(hit, d, patch_solid, cell_divisions, side_first_cell, cell_row, patch_kind);
-    path_material[2 * i] = HR_NONE;
-    path_material[2 * i + 1] = HR_NONE;
 
     float3 numbers = (float3)(hr_sample(k, 4, point_seed), hr_sample(k, 5, point_seed), hr_sample(k, 6, point_seed));
     float2 next = (float2)(hr_sample(k, 2, point_seed), hr_sample(k, 3, point_seed));
-    for (uint bounce = 0; bounce < 2 && HR_IS_ROW(row); ++bounce) {
-        if (bounce == 1 && hit.t >= near_factor * row_size[row])
+    const uint plain = hr_combine(point_seed, k + 0x51ed270bu);
+    uint lit = 0;
+    for (; HR_IS_ROW(row) || row == HR_UNLIT; ++lit) {
+        if (HR_IS_ROW(row) && lit + 1 >= lookup && hit.t >= near_factor * row_size[row])
             break;
+        if (lit == HR_LIT_HITS) {
+            row = last_chance ? row : HR_LONG;
+            break;
+        }
         const float3 y = hr_patch_point(hit.patch, hit.u, hit.v, HR_PATCH);
         n = hr_side_normal(hit.patch, hit.side, patch_normal);
         hr_explicit light = hr_light_hit(y, n, hit.patch, row, numbers, emitter_choice, row_direct, n_emitters,
                                          occlusion, scale, HR_EMITTER, HR_PATCH, HR_BVH);
-        path_material[2 * i + bounce] = side_material[2 * hit.patch + hit.side];
-        path_emitter[2 * i + bounce] = light.emitter;
+        path_material[first + lit] = side_material[2 * hit.patch + hit.side];
+        path_emitter[first + lit] = light.emitter;
         d = hr_cosine_direction(n, next.x, next.y);
         hit = hr_closest_hit(HR_BVH, hr_offset_origin(y, n, scale), d, INFINITY, hit.patch);
         if (light.near_probability > 0.0f)
             light.gain += hr_light_on_ray(y, n, d, hit, light, HR_EMITTER, HR_PATCH);
-        path_gain[2 * i + bounce] = light.gain;
+        path_gain[first + lit] = light.gain;
         row = hr_row_of_hit(hit, d, patch_solid, cell_divisions, side_first_cell, cell_row, patch_kind);
         /* Fewer and weaker paths come here a second time: plain random numbers serve them. */
-        const uint plain = hr_combine(point_seed, k + 0x51ed270bu);
-        numbers = (float3)(hr_plain(plain, 0), hr_plain(plain, 1), hr_plain(plain, 2));
-        next = (float2)(hr_plain(plain, 3), hr_plain(plain, 4));
+        numbers = (float3)(hr_plain(plain, 5 * lit), hr_plain(plain, 5 * lit + 1), hr_plain(plain, 5 * lit + 2));
+        next = (float2)(hr_plain(plain, 5 * lit + 3), hr_plain(plain, 5 * lit + 4));
     }
+    if (row == HR_LONG)
+        lit = 0;
+    for (; lit < HR_LIT_HITS; ++lit)
+        path_material[first + lit] = HR_NONE;
     path_row[i] = row;
 }

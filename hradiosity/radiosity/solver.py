@@ -20,7 +20,7 @@ from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
 from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.moments import ReadingMoments
-from hradiosity.readings.sensors import SurfaceLight, read_points
+from hradiosity.readings.sensors import PathRules, SurfaceLight, read_points
 from hradiosity.solution import Readings, Solution
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
@@ -28,8 +28,8 @@ from hradiosity.space.check import check_scene, raise_faults
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
-NEAR_FACTOR = 1.0
-"""With lookup at the second hit: it moves to the third where the second is nearer than this many element sizes."""
+NEAR_FACTOR = 0.5
+"""The solution is never looked up at a hit nearer than so many sizes of its element."""
 MAX_REPLICATES = 256
 KEPT_BYTES = 256 * 2**20
 """Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
@@ -266,7 +266,7 @@ class RadiositySolver:
             moments.normal,
             light_samples=effort.light,
             gather_samples=effort.gather,
-            near_factor=NEAR_FACTOR if self.options.lookup == 2 else np.inf,
+            rules=PathRules(self.options.lookup, NEAR_FACTOR),
             seed=seed ^ 0x5BD1E995,
         )
         moments.add(self.plan.columns.to_bands(samples.irradiance), samples.enclosed)

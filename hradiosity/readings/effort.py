@@ -7,12 +7,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.readings.sensors import SurfaceLight, reflected_light, trace_paths
+from hradiosity.readings.sensors import PathRules, SurfaceLight, reflected_light, trace_paths, upload_points
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 
 PILOT_PATHS = 64
-PILOT_NEAR_FACTOR = 1.0
+PILOT_RULES = PathRules(lookup=2, near_factor=1.0)
 PILOT_LIGHT_SAMPLES = 64
 DARK_SHARE = 0.05
 """Readings darker than this share of the mean count as that bright: their relative error matters less."""
@@ -64,7 +64,8 @@ def plan_effort(
     brightness = np.einsum("ec,c->e", light.emission, weight)
     direct = direct_at_points(scene, position, normal, PILOT_LIGHT_SAMPLES, seed)
     arriving = direct.astype(np.float64) * brightness
-    paths = trace_paths(scene, elements, light, position, normal, PILOT_PATHS, seed, PILOT_NEAR_FACTOR)
+    points = upload_points(scene, position, normal)
+    paths = trace_paths(scene, elements, light, points, PILOT_PATHS, seed, PILOT_RULES, last_chance=True)
     _, sums = reflected_light(scene, paths, light)
     mean = sums[:, 0].astype(np.float64) / PILOT_PATHS
     variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hradiosity.device.device import DeviceArray
 from hradiosity.plan import SpectralColumns
-from hradiosity.space.hierarchy import COVERED, NONE, UNLIT
+from hradiosity.space.hierarchy import COVERED, LONG, NONE
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 
@@ -18,25 +18,64 @@ UNIFORM_SHARE = 0.1
 """Part of the probability with which an emitter is drawn at a hit that does not depend on the solution."""
 BATCH_PATHS = 1 << 22
 """Paths kept on the device at a time."""
+LIT_HITS, MOST_LIT_HITS = 2, 32
+"""Hits of a path that may be lit explicitly: of most paths, and of the few that come into corners, contacts, slots."""
 
 
 @dataclass(frozen=True)
 class PathSamples:
     """What the paths of a batch of readings met; band-free, so another lamp or paint needs no new ray.
 
-    material, emitter : (n_points, n_samples, 2) uint32 on the device: material at each hit that is lit explicitly
+    material, emitter : (n_paths, lit_hits) uint32 on the device: material at each hit that is lit explicitly
         (0xFFFFFFFF for none), emitter drawn there
-    gain : (n_points, n_samples, 2) float32 on the device: irradiance at that hit for unit emission of that emitter,
+    gain : (n_paths, lit_hits) float32 on the device: irradiance at that hit for unit emission of that emitter,
         over the probability that it was drawn
-    row : (n_points, n_samples) uint32 on the device: row element, or an outcome, where the path ends
+    row : (n_paths,) uint32 on the device: row element, or an outcome, where the path ends
+    start : (n_points + 1,) uint32, first path of each point; its paths follow one another
+    n_samples : paths that each point's mean is over
     """
 
     material: DeviceArray
     emitter: DeviceArray
     gain: DeviceArray
     row: DeviceArray
-    n_points: int
+    start: NDArray[np.uint32]
+    lit_hits: int
     n_samples: int
+
+    @property
+    def n_points(self) -> int:
+        """Number of points."""
+        return len(self.start) - 1
+
+
+@dataclass(frozen=True)
+class PathRules:
+    """Where paths end.
+
+    lookup : number of the first hit at which the solution may be looked up
+    near_factor : it never is at a hit nearer than so many sizes of its element
+    """
+
+    lookup: int = 3
+    near_factor: float = 0.5
+
+
+@dataclass(frozen=True)
+class Points:
+    """Places on the device: position (n, 3) float32 in the ray structure's frame [m], normal (n, 3) float32 unit."""
+
+    position: DeviceArray
+    normal: DeviceArray
+    n: int
+
+
+def upload_points(scene: DeviceScene, position: NDArray[np.float64], normal: NDArray[np.float64]) -> Points:
+    """Points of the world frame [m] with unit normals."""
+    device = scene.device
+    return Points(
+        device.upload(scene.bvh.to_local(position)), device.upload(normal, np.float32), len(position)
+    )
 
 
 @dataclass(frozen=True)
@@ -93,33 +132,38 @@ def trace_paths(
     scene: DeviceScene,
     elements: DeviceElements,
     light: SurfaceLight,
-    position: NDArray[np.float64],
-    normal: NDArray[np.float64],
+    points: Points,
     n_samples: int,
     seed: int,
-    near_factor: float,
+    rules: PathRules,
+    *,
+    only: NDArray[np.int64] | None = None,
+    last_chance: bool = False,
 ) -> PathSamples:
-    """Trace `n_samples` paths from each point (world frame [m], unit normals).
+    """Trace `n_samples` paths from each point, or those of them whose numbers are in `only` with room for more hits.
 
-    A second hit nearer than `near_factor` sizes of its element is lit explicitly, and the solution looked up at the
-    third: where surfaces meet, one value for a whole element is too coarse.
+    A path that meets more hits than it has room for is left out and marked LONG; with `last_chance` it looks the
+    solution up at the last of them instead.
     """
-    device, n_points = scene.device, len(position)
-    material, emitter = (device.empty((n_points, n_samples, 2), np.uint32) for _ in range(2))
-    gain = device.empty((n_points, n_samples, 2), np.float32)
-    row = device.empty((n_points, n_samples), np.uint32)
-    device.kernel("paths", "trace_paths")(
-        n_points * n_samples,
+    device = scene.device
+    number = np.arange(points.n * n_samples, dtype=np.uint32) if only is None else only.astype(np.uint32)
+    lit_hits = LIT_HITS if only is None else MOST_LIT_HITS
+    material, emitter = (device.empty((len(number), lit_hits), np.uint32) for _ in range(2))
+    gain = device.empty((len(number), lit_hits), np.float32)
+    row = device.empty((len(number),), np.uint32)
+    device.kernel("paths", "trace_paths", HR_LIT_HITS=lit_hits)(
+        len(number),
         **scene.geometry,
         **elements.cells,
         **scene.emitters,
-        position=device.upload(scene.bvh.to_local(position)),
-        normal=device.upload(normal, np.float32),
+        position=points.position,
+        normal=points.normal,
         patch_solid=scene.solid,
         side_material=elements.side_material,
         row_size=elements.row_size,
         emitter_choice=light.emitter_choice,
         row_direct=light.row_direct,
+        path_number=device.upload(number),
         path_material=material,
         path_emitter=emitter,
         path_gain=gain,
@@ -127,11 +171,14 @@ def trace_paths(
         n_samples=n_samples,
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
-        near_factor=near_factor,
+        lookup=rules.lookup,
+        near_factor=rules.near_factor,
+        last_chance=int(last_chance),
         seed=seed,
         scale=scene.scale,
     )
-    return PathSamples(material, emitter, gain, row, n_points, n_samples)
+    start = np.searchsorted(number, np.arange(points.n + 1, dtype=np.int64) * n_samples).astype(np.uint32)
+    return PathSamples(material, emitter, gain, row, start, lit_hits, n_samples)
 
 
 def reflected_light(
@@ -149,8 +196,9 @@ def reflected_light(
     groups = light.columns.n_groups
     irradiance = device.empty((paths.n_points, 8 * groups), np.float32)
     brightness = device.empty((paths.n_points, 2), np.float32)
-    device.kernel("columns", "sum_paths", HR_GROUPS=groups)(
+    device.kernel("path_sums", "sum_paths", HR_GROUPS=groups, HR_LIT_HITS=paths.lit_hits)(
         paths.n_points,
+        path_start=device.upload(paths.start),
         path_material=paths.material,
         path_emitter=paths.emitter,
         path_gain=paths.gain,
@@ -188,10 +236,10 @@ def read_points(
     *,
     light_samples: NDArray[np.int64],
     gather_samples: NDArray[np.int64],
-    near_factor: float,
+    rules: PathRules,
     seed: int,
 ) -> ReadingSamples:
-    """Irradiance at points: E = D + ⟨ρ(y₁) (D(y₁) + ρ(y₂) E(y₂))⟩ over cosine-distributed first directions.
+    """Irradiance at points: E = D + ⟨ρ(y₁) (D(y₁) + ρ(y₂) (D(y₂) + …))⟩ over cosine-distributed directions.
 
     Parameters
     ----------
@@ -201,8 +249,7 @@ def read_points(
         Shadow rays to each emitter.
     gather_samples : (n,) int64
         Paths; 0 leaves reflected light out.
-    near_factor : float
-        See `trace_paths`.
+    rules : PathRules
     """
     n = len(position)
     used = light.columns.n_columns
@@ -215,14 +262,33 @@ def read_points(
     enclosed = np.zeros(n)
     for part, count in _batches(gather_samples):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
-        paths = trace_paths(scene, elements, light, position[part], normal[part], count, batch_seed, near_factor)
-        irradiance[part] += reflected_light(scene, paths, light)[0][:, :used]
-        row = scene.device.fetch(paths.row)
-        lost = (row == COVERED) | (row == UNLIT)
-        if lost.any():
-            first_hit = scene.device.fetch(paths.material)[:, :, 0]
-            enclosed[part] = ((first_hit == NONE) & lost).mean(axis=1)
+        points = upload_points(scene, position[part], normal[part])
+        reflected, enclosed[part] = _gather(scene, elements, light, points, count, batch_seed, rules)
+        irradiance[part] += reflected[:, :used]
     return ReadingSamples(irradiance, enclosed)
+
+
+def _gather(
+    scene: DeviceScene,
+    elements: DeviceElements,
+    light: SurfaceLight,
+    points: Points,
+    count: int,
+    seed: int,
+    rules: PathRules,
+) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+    """Reflected light (n_points, 8 n_groups) by `count` paths each, and the share of them that began inside a solid."""
+    paths = trace_paths(scene, elements, light, points, count, seed, rules)
+    irradiance = reflected_light(scene, paths, light)[0]
+    row = scene.device.fetch(paths.row).reshape(points.n, count)
+    long = np.flatnonzero(row == LONG)
+    if len(long):
+        more = trace_paths(scene, elements, light, points, count, seed, rules, only=long, last_chance=True)
+        irradiance += reflected_light(scene, more, light)[0]
+    if not (row == COVERED).any():
+        return irradiance, np.zeros(points.n)
+    first_hit = scene.device.fetch(paths.material)[:, 0].reshape(points.n, count)
+    return irradiance, ((first_hit == NONE) & (row == COVERED)).mean(axis=1)
 
 
 def _batches(samples: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.int64], int]]:

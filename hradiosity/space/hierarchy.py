@@ -20,6 +20,8 @@ COVERED: Final = 0xFFFFFFFD
 """Outcome of a ray: it started inside a solid."""
 UNLIT: Final = 0xFFFFFFFC
 """Outcome of a ray: it ended on a side that no light was found to reach."""
+LONG: Final = 0xFFFFFFFB
+"""Outcome of a path: it met more hits than it has room for."""
 
 
 @dataclass(frozen=True)

@@ -75,7 +75,7 @@ def test_a_replicate(device, bands):
         sensor.normal,
         light_samples=few,
         gather_samples=few,
-        near_factor=1.0,
+        rules=PathRules(2, 1.0),
         seed=1,
     )
     irradiance = plan.columns.to_bands(samples.irradiance)
