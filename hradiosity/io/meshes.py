@@ -25,20 +25,35 @@ TIMEOUT: Final = 120.0
 
 
 @dataclass(frozen=True)
+class TextureColour:
+    """The picture of a material.
+
+    name : as the mesh file has it
+    mean : (3,) linear sRGB, plain mean over the picture times the material's factor; None if it wasn't asked for or
+        can't be had
+    fault : why it can't be had
+    """
+
+    name: str
+    mean: tuple[float, float, float] | None
+    fault: str
+
+
+@dataclass(frozen=True)
 class MeshPart:
     """Faces of one object and one material.
 
     name, material : as the file has them; ``material`` is empty if the file names none
     vertices : (n, 3) float64 [m], z up
     triangles : (m, 3) int32, counter-clockwise as seen from the front
-    textured : the file gives this material a picture instead of one colour
+    texture : the picture that the file gives this material instead of one colour
     """
 
     name: str
     material: str
     vertices: NDArray[np.float64]
     triangles: NDArray[np.int32]
-    textured: bool
+    texture: TextureColour | None
 
 
 class MeshFile(NamedTuple):
@@ -48,7 +63,7 @@ class MeshFile(NamedTuple):
     notes: tuple[Note, ...]
 
 
-def read_mesh(path: Path, unit: str, up: str, *, timeout: float = TIMEOUT) -> MeshFile:
+def read_mesh(path: Path, unit: str, up: str, *, textures: bool = False, timeout: float = TIMEOUT) -> MeshFile:
     """Read a mesh file, mend it, and bring it to metres with z up.
 
     Coordinates of OBJ files are read in double precision; PLY, STL and glTF carry single precision, which is
@@ -61,6 +76,8 @@ def read_mesh(path: Path, unit: str, up: str, *, timeout: float = TIMEOUT) -> Me
         Unit of the lengths in the file, a key of ``METRES``: mesh files don't say it.
     up : str
         Upward axis of the file, "z" or "y"; y up becomes z up by a quarter turn about x.
+    textures : bool
+        Read the pictures of materials for their mean colour.
     timeout : float
         Seconds after which reading is given up.
 
@@ -76,7 +93,7 @@ def read_mesh(path: Path, unit: str, up: str, *, timeout: float = TIMEOUT) -> Me
     _check_file(path)
     with tempfile.TemporaryDirectory(prefix="hradiosity-") as folder:
         result = Path(folder) / "mesh.npz"
-        _run_worker(path, result, timeout)
+        _run_worker(path, result, ["textures"] if textures else [], timeout)
         with np.load(result) as stored:
             content: dict[str, Any] = dict(stored)
     if "faults" in content:
@@ -97,11 +114,11 @@ def _check_file(path: Path) -> None:
         raise SceneError([Fault(str(path), "", "the file is empty", "a mesh of faces")])
 
 
-def _run_worker(path: Path, result: Path, timeout: float) -> None:
+def _run_worker(path: Path, result: Path, more: list[str], timeout: float) -> None:
     """Run `hradiosity.io.mesh.worker`; turns crash and hang into a fault of the file."""
     package_root = str(Path(__file__).resolve().parents[2])
     paths = [package_root, *filter(None, [os.environ.get("PYTHONPATH")])]
-    command = [sys.executable, "-m", "hradiosity.io.mesh.worker", str(path), str(result)]
+    command = [sys.executable, "-m", "hradiosity.io.mesh.worker", str(path), str(result), *more]
     try:
         done = subprocess.run(
             command,
@@ -138,5 +155,7 @@ def _parts(
         used, local = np.unique(triangles[part == number], return_inverse=True)
         if len(used):
             faces = local.reshape(-1, 3).astype(np.int32)
-            parts.append(MeshPart(label["name"], label["material"], vertices[used], faces, label["textured"]))
+            found = label["texture"]
+            texture = None if found is None else TextureColour(**found)
+            parts.append(MeshPart(label["name"], label["material"], vertices[used], faces, texture))
     return tuple(parts)

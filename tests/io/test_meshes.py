@@ -16,7 +16,7 @@ from hradiosity.errors import SceneError
 from hradiosity.io.mesh.clean import clean
 from hradiosity.io.mesh.gltf import read_gltf
 from hradiosity.io.mesh.obj import read_obj
-from hradiosity.io.mesh.raw import PartLabel, RawMesh, triangulate_faces
+from hradiosity.io.mesh.raw import PartLabel, RawMesh, Texture, triangulate_faces
 from hradiosity.io.mesh.worker import load
 from hradiosity.io.meshes import SUFFIXES, read_mesh
 from hradiosity.model.meshing import merge_triangles
@@ -114,10 +114,10 @@ def area(part):
 def test_obj_keeps_names_with_spaces_and_double_precision(tmp_path):
     write(tmp_path, "room paints.mtl", ROOM_MTL)
     parts, notes = read_mesh(write(tmp_path, "my room.obj", ROOM_OBJ), "mm", "z")
-    assert [(part.name, part.material, part.textured, len(part.triangles)) for part in parts] == [
-        ("north wall", "white paint", False, 2),
-        ("desk top", "oak veneer", True, 1),
-        ("desk top", "white paint", False, 1),
+    assert [(part.name, part.material, part.texture and part.texture.name, len(part.triangles)) for part in parts] == [
+        ("north wall", "white paint", None, 2),
+        ("desk top", "oak veneer", "grain of oak.png", 1),
+        ("desk top", "white paint", None, 1),
     ]
     assert parts[0].vertices[:, 0].min() == 100000.001 * 1e-3
     np.testing.assert_allclose(area(parts[0]), 3.999 * 3 * 1e-6, rtol=1e-9)
@@ -151,7 +151,7 @@ def test_every_format_gives_the_same_rectangle(tmp_path, suffix):
     assert len(pieces.origin) == 1
     np.testing.assert_allclose(np.cross(pieces.edge_u, pieces.edge_v), [[0, 0, 6e-4]], rtol=1e-6)
     named = suffix in (".gltf", ".glb")
-    assert (part.name, part.material, part.textured) == (
+    assert (part.name, part.material, part.texture is not None) == (
         ("seat", "blue fabric", True) if named else ("plate", "", False)
     )
 
@@ -192,7 +192,7 @@ def test_compressed_gltf_is_refused_by_name(tmp_path, compression):
         read_gltf(write(tmp_path, "small.gltf", as_gltf(root, data)))
 
 
-ONE_PART = (PartLabel("a", "m", False),)
+ONE_PART = (PartLabel("a", "m"),)
 
 
 def raw(vertices, triangles, part=None, labels=ONE_PART):
@@ -213,7 +213,7 @@ def test_mending_is_done_and_counted():
 
 
 def test_materials_survive_mending():
-    labels = (PartLabel("a", "red", False), PartLabel("a", "blue", True))
+    labels = (PartLabel("a", "red"), PartLabel("a", "blue", Texture("x.png", None)))
     cleaned = clean(raw([*QUAD, *QUAD], [[0, 1, 1], [0, 1, 2], [4, 6, 7]], [1, 0, 1], labels), "f.obj")
     areas = {tuple(sorted(map(tuple, cleaned.vertices[t]))): int(p) for t, p in zip(cleaned.triangles, cleaned.part)}
     assert areas == {((0, 0, 0), (2, 0, 0), (2, 3, 0)): 0, ((0, 0, 0), (0, 3, 0), (2, 3, 0)): 1}
@@ -229,7 +229,7 @@ def test_common_face_of_touching_solids_stays():
 
 
 def test_faces_on_faces_of_another_part_are_warned_about():
-    labels = (PartLabel("a", "red", False), PartLabel("a", "blue", False))
+    labels = (PartLabel("a", "red"), PartLabel("a", "blue"))
     cleaned = clean(raw(QUAD, [[0, 1, 2], [2, 1, 0]], [0, 1], labels), "f.obj")
     assert len(cleaned.triangles) == 2 and cleaned.notes[0].kind == "warning"
 

@@ -37,5 +37,5 @@ def read_with_assimp(path: Path) -> RawMesh:
         triangles.append(np.asarray(mesh.indices, dtype=np.int64).reshape(-1, 3) + count)
         count += len(corners)
     faces = np.concatenate(triangles)
-    label = PartLabel(path.stem, "", False)
+    label = PartLabel(path.stem, "")
     return RawMesh(np.concatenate(vertices), faces, np.zeros(len(faces), dtype=np.int64), (label,))

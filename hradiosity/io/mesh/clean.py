@@ -60,7 +60,8 @@ def _check(mesh: RawMesh, file: str) -> None:
     used = np.unique(mesh.triangles)
     broken = used[~np.isfinite(mesh.vertices[used]).all(axis=1)]
     if len(broken):
-        first = f"the first is vertex {broken[0] + 1}: {mesh.vertices[broken[0]]}"
+        place = ", ".join(f"{value:g}" for value in mesh.vertices[broken[0]])
+        first = f"the first is vertex {broken[0] + 1}: ({place})"
         found = f"{len(broken)} vertices that aren't finite, {first}"
         raise SceneError([Fault(file, "vertices", found, "finite coordinates")])
     largest = float(np.abs(mesh.vertices[used]).max())

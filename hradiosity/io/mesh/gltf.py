@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.mesh.raw import PartLabel, RawMesh
+from hradiosity.io.mesh.raw import PartLabel, RawMesh, Texture
 from hradiosity.model.scene import Note
 
 _COMPONENT: Final = {5120: "<i1", 5121: "<u1", 5122: "<i2", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
@@ -189,11 +189,42 @@ def _collect(document: _Document, primitive: dict[str, Any], name: str, world: N
     material: dict[str, Any] = {}
     if "material" in primitive:
         material = document.item("materials", primitive["material"])
-    textured = "baseColorTexture" in material.get("pbrMetallicRoughness", {})
-    label = PartLabel(name, str(material.get("name", "")), textured)
+    label = PartLabel(name, str(material.get("name", "")), _texture(document, material))
     document.triangles.append(triangles + sum(len(block) for block in document.vertices))
     document.vertices.append(points.astype(np.float64) @ world[:3, :3].T + world[:3, 3])
     document.parts.append(document.labels.setdefault(label, len(document.labels)))
+
+
+def _texture(document: _Document, material: dict[str, Any]) -> Texture | None:
+    """The picture of a material's base colour; one that the file describes wrongly has no source (§3.8, §3.9.2)."""
+    surface = material.get("pbrMetallicRoughness", {})
+    if "baseColorTexture" not in surface:
+        return None
+    red, green, blue = (float(value) for value in surface.get("baseColorFactor", (1.0, 1.0, 1.0, 1.0))[:3])
+    name = "without a name"
+    source: Path | bytes | None = None
+    try:
+        texture = document.item("textures", surface["baseColorTexture"]["index"])
+        webp = texture.get("extensions", {}).get("EXT_texture_webp", {})
+        number = texture.get("source", webp.get("source"))
+        image = document.item("images", number)
+        name = str(image.get("name") or f"image {number}")
+        if "bufferView" in image:
+            source = _view_bytes(document, image["bufferView"])
+        elif str(image["uri"]).startswith("data:"):
+            source = base64.b64decode(str(image["uri"]).partition(",")[2], validate=True)
+        else:
+            name = unquote(str(image["uri"]))
+            source = document.path.parent / name
+    except _DAMAGE:
+        source = None
+    return Texture(name, source, (red, green, blue))
+
+
+def _view_bytes(document: _Document, index: Any) -> bytes:
+    view = document.item("bufferViews", index)
+    start = int(view.get("byteOffset", 0))
+    return _buffer(document, view["buffer"])[start : start + int(view["byteLength"])]
 
 
 def _triangles(indices: NDArray[np.int64], mode: int) -> NDArray[np.int64]:

@@ -1,5 +1,6 @@
 """Wavefront OBJ with its MTL files, read in double precision and with names as they stand there."""
 
+import re
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -8,10 +9,17 @@ from typing import Final, Literal
 import numpy as np
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.mesh.raw import PartLabel, RawMesh, triangulate_faces
+from hradiosity.io.mesh.raw import PartLabel, RawMesh, Texture, triangulate_faces
 from hradiosity.model.scene import Note
 
 _MOST_FAULTS: Final = 20
+_MAP_OPTIONS: Final = {
+    **dict.fromkeys(("-blendu", "-blendv", "-boost", "-bm", "-cc", "-clamp", "-imfchan", "-texres", "-type"), 1),
+    "-mm": 2,
+    **dict.fromkeys(("-o", "-s", "-t"), 3),
+}
+"""Options of a texture, and how many words follow each, at most."""
+_NUMBER: Final = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 _SURFACES: Final = "free-form surfaces"
 _NOT_READ: Final = {"l": "lines", "p": "points", "curv": "curves", "curv2": "curves", "surf": _SURFACES}
 
@@ -108,11 +116,11 @@ def read_obj(path: Path) -> RawMesh:
 def _assemble(parser: _Parser) -> RawMesh:
     vertices = np.array(parser.vertices, dtype=np.float64).reshape(-1, 3)
     triangles, face, doubtful = triangulate_faces(vertices, parser.faces)
-    textured, notes = _read_libraries(parser)
+    textures, notes = _read_libraries(parser)
     labels: dict[PartLabel, int] = {}
     renumber = np.zeros(len(parser.parts), dtype=np.int64)
     for (name, group, material), part in parser.parts.items():
-        label = PartLabel(name or group or parser.path.stem, material, material in textured)
+        label = PartLabel(name or group or parser.path.stem, material, textures.get(material))
         renumber[part] = labels.setdefault(label, len(labels))
     place = str(parser.path)
     for what, number in parser.left_out.items():
@@ -145,9 +153,9 @@ def _lines(text: str) -> Iterator[tuple[int, str]]:
             yield number, line
 
 
-def _read_libraries(parser: _Parser) -> tuple[set[str], list[Note]]:
-    """Names of materials with a colour texture, and notes on libraries that aren't there."""
-    textured: set[str] = set()
+def _read_libraries(parser: _Parser) -> tuple[dict[str, Texture], list[Note]]:
+    """Colour textures by material, and notes on libraries that aren't there."""
+    textures: dict[str, Texture] = {}
     notes = []
     for library in parser.libraries:
         path = parser.path.parent / library
@@ -157,11 +165,47 @@ def _read_libraries(parser: _Parser) -> tuple[set[str], list[Note]]:
             )
             notes.append(Note("info", str(parser.path), message))
             continue
-        name = ""
-        for _, line in _lines(_text(path)):
-            keyword, _, rest = line.partition(" ")
-            if keyword == "newmtl":
-                name = rest.strip()
-            elif keyword.lower() == "map_kd":
-                textured.add(name)
-    return textured, notes
+        textures.update(_textures(path))
+    return textures, notes
+
+
+def _textures(path: Path) -> dict[str, Texture]:
+    """Colour textures of one material library; ``Kd`` multiplies them, wherever it stands."""
+    name = ""
+    pictures: dict[str, str] = {}
+    factors: dict[str, tuple[float, float, float]] = {}
+    for _, line in _lines(_text(path)):
+        keyword, _, rest = line.partition(" ")
+        if keyword == "newmtl":
+            name = rest.strip()
+        elif keyword.lower() == "map_kd":
+            pictures[name] = _picture_name(rest.split())
+        elif keyword == "Kd":
+            factors[name] = _factor(rest.split())
+    return {
+        name: Texture(picture, path.parent / picture.replace("\\", "/"), factors.get(name, (1.0, 1.0, 1.0)))
+        for name, picture in pictures.items()
+    }
+
+
+def _factor(words: list[str]) -> tuple[float, float, float]:
+    """Linear colour of a ``Kd`` line: one number stands for all three; 1 where it is written in another way."""
+    try:
+        red, green, blue = (float(word) for word in (words * 3 if len(words) == 1 else words[:3]))
+    except ValueError:
+        return 1.0, 1.0, 1.0
+    return red, green, blue
+
+
+def _picture_name(words: list[str]) -> str:
+    """File name of a ``map_Kd`` line, which may hold spaces, without the options before it."""
+    at = 0
+    while at < len(words) and words[at] in _MAP_OPTIONS:
+        most, at = _MAP_OPTIONS[words[at]], at + 1
+        if most == 1:
+            at += 1
+        else:
+            end = at + most
+            while at < end and at < len(words) - 1 and _NUMBER.fullmatch(words[at]):
+                at += 1
+    return " ".join(words[at:])

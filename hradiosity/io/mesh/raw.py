@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,12 +12,26 @@ from hradiosity.model.scene import Note
 
 
 @dataclass(frozen=True)
+class Texture:
+    """A picture that gives a material its colour.
+
+    name : as the mesh file has it
+    source : the file, the bytes of a picture inside the mesh file, or None where there is none that could be read
+    factor : linear sRGB that the picture is multiplied by
+    """
+
+    name: str
+    source: Path | bytes | None
+    factor: tuple[float, float, float] = (1.0, 1.0, 1.0)
+
+
+@dataclass(frozen=True)
 class PartLabel:
     """Names as they stand in the file; ``material`` is empty where the file names none."""
 
     name: str
     material: str
-    textured: bool
+    texture: Texture | None = None
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 """Reads and mends one mesh file in a process of its own, so that a crash of native code ends only that process.
 
-Called as ``python -m hradiosity.io.mesh.worker FILE RESULT.npz``.
+Called as ``python -m hradiosity.io.mesh.worker FILE RESULT.npz``, with ``textures`` as a third word to have the mean
+colours of textures.
 """
 
 import json
@@ -8,7 +9,7 @@ import sys
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 
@@ -17,8 +18,9 @@ from hradiosity.io.mesh.assimp import read_with_assimp
 from hradiosity.io.mesh.clean import clean
 from hradiosity.io.mesh.gltf import read_gltf
 from hradiosity.io.mesh.obj import read_obj
-from hradiosity.io.mesh.raw import RawMesh
+from hradiosity.io.mesh.raw import PartLabel, RawMesh
 from hradiosity.io.mesh.recognise import check_content
+from hradiosity.io.mesh.texture import mean_colour
 
 READERS: Final[dict[str, Callable[[Path], RawMesh]]] = {
     ".obj": read_obj,
@@ -61,7 +63,20 @@ def limit_memory(path: Path) -> None:
         resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
 
 
-def main(source: str, target: str) -> None:
+def _described(label: PartLabel, *, with_mean: bool) -> dict[str, Any]:
+    """Names of a part, and of its texture with the mean colour, or what is wrong with it."""
+    found: dict[str, Any] = {"name": label.name, "material": label.material, "texture": None}
+    if label.texture is not None:
+        found["texture"] = {"name": label.texture.name, "mean": None, "fault": ""}
+        if with_mean:
+            try:
+                found["texture"]["mean"] = mean_colour(label.texture)
+            except ValueError as error:
+                found["texture"]["fault"] = str(error)
+    return found
+
+
+def main(source: str, target: str, *more: str) -> None:
     """Write the mesh, or the faults, to ``target``."""
     limit_memory(Path(source))
     try:
@@ -70,7 +85,8 @@ def main(source: str, target: str) -> None:
         with Path(target).open("wb") as stream:
             np.savez(stream, faults=np.array(json.dumps([asdict(fault) for fault in error.faults])))
         return
-    described = {"labels": [asdict(label) for label in mesh.labels], "notes": [asdict(note) for note in mesh.notes]}
+    labels = [_described(label, with_mean="textures" in more) for label in mesh.labels]
+    described = {"labels": labels, "notes": [asdict(note) for note in mesh.notes]}
     with Path(target).open("wb") as stream:
         np.savez(
             stream,

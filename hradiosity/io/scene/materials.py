@@ -30,11 +30,19 @@ _HELD_SILENTLY: Final = 5.0
 def read_materials(
     tables: Mapping[str, MaterialTable], names: Names, bands: Bands, report: Report
 ) -> tuple[Material, ...]:
-    """Materials in the order of their names; one that is faulty (and reported) is black, so that reading can go on."""
-    return tuple(
+    """Materials in the order of their names; one that is faulty (and reported) is black, so that reading can go on.
+
+    Those that are guessed from textures come last.
+    """
+    named = (
         _material(name, tables[name], bands, report) if name in tables else Material(name, np.zeros(len(bands)))
         for name in names.materials
     )
+    guessed = (
+        Material(name, _tabulated(colour, bands, ("mesh",), report), measured=False)
+        for name, colour in names.guessed.items()
+    )
+    return (*named, *guessed)
 
 
 def _material(name: str, table: MaterialTable, bands: Bands, report: Report) -> Material:

@@ -4,15 +4,18 @@ from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hradiosity.errors import SceneError
-from hradiosity.io.meshes import MeshFile, MeshPart, read_mesh
+from hradiosity.io.meshes import MeshFile, MeshPart, TextureColour, read_mesh
 from hradiosity.io.scene.frame import Frame, rotation
 from hradiosity.io.scene.lines import Location
 from hradiosity.io.scene.names import Names
 from hradiosity.io.scene.pieces import Piece
 from hradiosity.io.scene.report import Report, did_you_mean
+from hradiosity.io.scene.schema_light import ReflectanceColour
 from hradiosity.io.scene.schema_surfaces import MeshTable
+from hradiosity.metrics.upsampling import Upsampling
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.meshing import merge_triangles
 from hradiosity.model.solids import find_solids
@@ -28,13 +31,13 @@ def mesh_piece(mesh: MeshTable, location: Location, frame: Frame, names: Names, 
     _check_keys(mesh.materials, parts, (*location, "materials"), report)
     _check_keys(mesh.luminaires, parts, (*location, "luminaires"), report)
     _check_mapped(mesh, parts, location, report)
-    _check_textures(mesh, parts, location, report)
     prefix = mesh.name or Path(mesh.file).stem
+    guessed = _textured(mesh, parts, prefix, location, names, report)
     part_objects = [f"{prefix}/{part.name}" if part.name else prefix for part in parts]
     objects = tuple(dict.fromkeys(part_objects))
     number = {name: i for i, name in enumerate(objects)}
     patches, part_of = _patches(mesh, parts, frame, [number[name] for name in part_objects])
-    material = np.array([names.material_index(_mapped(mesh.materials, part) or mesh.material) for part in parts])
+    material = np.array([_material(mesh, part, guessed, names) for part in parts])
     luminaire = np.array([names.luminaire_index(_mapped(mesh.luminaires, part)) for part in parts])
     patches.material[:] = material[part_of]
     patches.solid[:] = find_solids(patches.corners(), patches.is_triangle, patches.object).solid
@@ -47,7 +50,7 @@ def _read(mesh: MeshTable, location: Location, report: Report) -> MeshFile | Non
     if path is None:
         return None
     try:
-        content = read_mesh(path, mesh.unit, mesh.up)
+        content = read_mesh(path, mesh.unit, mesh.up, textures=mesh.upsample is not None)
     except SceneError as error:
         report.adopt(error, (*location, "file"))
         return None
@@ -84,6 +87,19 @@ def _mapped(entries: Mapping[str, str], part: MeshPart) -> str | None:
     return entries.get(part.name) or entries.get(part.material)
 
 
+def _material(mesh: MeshTable, part: MeshPart, guessed: Mapping[str, int], names: Names) -> int:
+    """Number of a part's material: what it is mapped to, else the guess from its texture, else that of all the rest."""
+    mapped = _mapped(mesh.materials, part)
+    if mapped is None and part.texture is not None and _paint(part) in guessed:
+        return guessed[_paint(part)]
+    return names.material_index(mapped or mesh.material)
+
+
+def _paint(part: MeshPart) -> str:
+    """Name of a part's material, or of the part where the file names none."""
+    return part.material or part.name
+
+
 def _check_names(mesh: MeshTable, location: Location, names: Names, report: Report) -> None:
     """Report entries that name no material or luminaire of the scene."""
     names.check_material(mesh.material, (*location, "material"), report)
@@ -105,7 +121,8 @@ def _check_mapped(mesh: MeshTable, parts: Sequence[MeshPart], location: Location
     """Report names of the file that no entry and no default covers."""
     if mesh.material is not None:
         return
-    bare = dict.fromkeys(part.material or part.name for part in parts if _mapped(mesh.materials, part) is None)
+    unmapped = [part for part in parts if _mapped(mesh.materials, part) is None]
+    bare = dict.fromkeys(_paint(part) for part in unmapped if part.texture is None or mesh.upsample is None)
     if bare:
         report.fault(
             location,
@@ -114,15 +131,50 @@ def _check_mapped(mesh: MeshTable, parts: Sequence[MeshPart], location: Location
         )
 
 
-def _check_textures(mesh: MeshTable, parts: Sequence[MeshPart], location: Location, report: Report) -> None:
-    """A picture in the file is refused, unless the user has said what single paint stands for it."""
-    for name in dict.fromkeys(part.material or part.name for part in parts if part.textured):
-        covered = all(_mapped(mesh.materials, part) for part in parts if (part.material or part.name) == name)
-        if covered:
+def _textured(
+    mesh: MeshTable, parts: Sequence[MeshPart], prefix: str, location: Location, names: Names, report: Report
+) -> dict[str, int]:
+    """Numbers of the materials that are guessed from pictures, by name.
+
+    A picture is refused, unless the user has said what paint stands for it, or how a spectrum is guessed from it.
+    """
+    guessed: dict[str, int] = {}
+    for name in dict.fromkeys(_paint(part) for part in parts if part.texture):
+        bare = [part for part in parts if _paint(part) == name and _mapped(mesh.materials, part) is None]
+        texture = next((part.texture for part in bare if part.texture), None)
+        if texture is None:
             report.warn(location, f"{name!r} has a texture in {mesh.file}; one reflectance stands for it")
-        else:
+        elif mesh.upsample is None:
             report.fault(
                 location,
                 f"{name!r} in {mesh.file} has a texture, which is not simulated by this version",
-                f"an entry {name!r} = … of `materials`: the one paint that stands for it",
+                f"an entry {name!r} = … of `materials`: the one paint that stands for it; or `upsample`: the mean of "
+                "the picture, with a guessed spectrum",
             )
+        elif texture.mean is None:
+            found = f"texture {texture.name!r} of {name!r} in {mesh.file}: {texture.fault}"
+            report.fault(location, found, f"a PNG or JPEG file, or an entry {name!r} = … of `materials`")
+        else:
+            guessed[name] = _guess(f"{prefix}/{name}", mesh.upsample, texture, location, names, report)
+    return guessed
+
+
+def _guess(
+    name: str, method: Upsampling, texture: TextureColour, location: Location, names: Names, report: Report
+) -> int:
+    """Number of the material that stands for a picture."""
+    mean = np.array(texture.mean)
+    if not ((mean >= 0.0) & (mean <= 1.0)).all():
+        found = f"the mean of texture {texture.name!r} times its factor is {_triple(mean)}"
+        report.fault(location, found, "0 to 1 in each of red, green and blue")
+        return 0
+    report.warn(
+        location,
+        f"{name!r} takes the mean of texture {texture.name!r}, {_triple(mean)} in linear sRGB, plain over the whole "
+        f"picture; its spectrum is guessed from that colour ({method}), not measured",
+    )
+    return names.guess(name, ReflectanceColour(rgb=mean.tolist(), upsample=method))
+
+
+def _triple(colour: NDArray[np.float64]) -> str:
+    return " ".join(f"{value:.3f}" for value in colour)

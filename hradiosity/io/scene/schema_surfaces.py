@@ -5,6 +5,7 @@ from typing import Literal
 from pydantic import Field, model_validator
 
 from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one, one_of
+from hradiosity.metrics.upsampling import Upsampling
 
 LengthUnit = Literal["m", "cm", "mm", "in", "ft"]
 UpAxis = Literal["z", "y"]
@@ -85,6 +86,12 @@ class MeshTable(Table):
         {},
         description="object or material name in the file → material of this scene; an object's entry wins over its "
         "material's; without `material`, every name must be mapped",
+    )
+    upsample: Upsampling | None = Field(
+        None,
+        description="how reflectances are guessed for textured materials that `materials` does not map, from the mean "
+        "colour of their pictures (plain over the whole picture): as for an rgb reflectance. Without it they must be "
+        "mapped",
     )
     luminaires: dict[str, Name] = Field({}, description="object or material name in the file → luminaire")
     position: Vector = Field((0.0, 0.0, 0.0), description="where the origin of the mesh goes [scene unit]")
