@@ -25,6 +25,7 @@ from hradiosity.solution import Readings, Solution
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.check import check_scene, raise_faults
+from hradiosity.space.contact_cuts import cut_at_contacts
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
@@ -204,9 +205,11 @@ class RadiositySolver:
         if self._surfaces is None:
             cpu = self.device.work_cpu_seconds()
             with self.record.timed("geometry"):
+                cut = cut_at_contacts(self.scene)
+                modelled, self.scene = self.scene, cut.scene
                 bvh = build_bvh(self.device, self.scene.patches)
                 self._lit = lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
-            cpu -= self._check(bvh, lit)
+            cpu -= self._check(modelled, bvh, lit, cut.parent)
             with self.record.timed("geometry"):
                 plan = make_plan(self.scene, self.options, lit)
                 surfaces = self.surface_solver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
@@ -215,15 +218,20 @@ class RadiositySolver:
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
         return self._surfaces
 
-    def _check(self, bvh: Bvh, lit: LitSides) -> float:
-        """Look for what is doubtful about the scene; returns minus the CPU seconds, which are no part of solving."""
-        cpu = self.device.work_cpu_seconds()
+    def _check(self, modelled: Scene, bvh: Bvh, lit: LitSides, parent: NDArray[np.int64]) -> float:
+        """Look for what is doubtful about the scene; returns minus the CPU seconds, which are no part of solving.
+
+        The patches are looked at as they were before they were cut, with the light that reaches their pieces.
+        """
+        cpu = time.process_time()
         with self.record.timed("check"):
-            has_surfaces = len(self.scene.patches) > 0
-            findings = check_scene(self.scene, bvh, lit, seed=self.options.seed) if has_surfaces else ()
-            raise_faults(findings, self.scene)
+            if self.scene is not modelled:
+                bvh, lit = build_bvh(self.device, modelled.patches), lit.of_parents(parent)
+            has_surfaces = len(modelled.patches) > 0
+            findings = check_scene(modelled, bvh, lit, seed=self.options.seed) if has_surfaces else ()
+            raise_faults(findings, modelled)
             self.notes = (*self.scene.notes, *(finding.as_note() for finding in findings))
-        return cpu - self.device.work_cpu_seconds()
+        return cpu - time.process_time()
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""

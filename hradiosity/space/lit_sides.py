@@ -33,6 +33,18 @@ class LitSides:
     open: NDArray[np.bool_]
     free_path: float
 
+    def of_parents(self, parent: NDArray[np.int64]) -> LitSides:
+        """The same for the patches that pieces were cut from: lit where a piece is, in the space of one that is lit.
+
+        Parameters
+        ----------
+        parent : (n_patches,) int64
+            Of each piece; every number up to the largest has one.
+        """
+        space = np.full((int(parent.max(initial=-1)) + 1, 2), -1, np.int32)
+        np.maximum.at(space, parent, self.space)
+        return LitSides(space >= 0, space, self.open, self.free_path)
+
 
 @dataclass(frozen=True)
 class _Pilot:
