@@ -12,7 +12,7 @@ from scipy.sparse.csgraph import connected_components
 from hradiosity.model.geometry import BACK, NONE, Patches
 from hradiosity.model.scene import Scene
 from hradiosity.space.bvh import Bvh
-from hradiosity.space.visibility import trace_closest
+from hradiosity.space.visibility import trace_any, trace_closest
 
 RAYS_PER_SIDE = 16
 RAYS_PER_SOURCE = 4096
@@ -51,6 +51,7 @@ class _Pilot:
     """Where rays from all sides went.
 
     origin : (n_rays,) int64, side the ray left
+    start : (n_rays, 3) float64, a hair in front of that side [m]
     target : (n_rays,) int64, side it ended on; −1 for none
     left : (n_rays,) bool, it left the scene
     left_upward : (n_rays,) bool, and above the horizon
@@ -58,6 +59,7 @@ class _Pilot:
     """
 
     origin: NDArray[np.int64]
+    start: NDArray[np.float64]
     target: NDArray[np.int64]
     left: NDArray[np.bool_]
     left_upward: NDArray[np.bool_]
@@ -92,6 +94,7 @@ def find_lit_sides(scene: Scene, bvh: Bvh, *, seed: int = 0, known_links: NDArra
     bright = np.zeros(n_sets, bool)
     bright[label[_emitting_sides(scene)]] = True
     bright[label[_sides_seen_by_points(scene, bvh, rng)]] = True
+    bright[label[_sides_that_see_points(scene, bvh, pilot)]] = True
     if scene.sky is not None:
         bright[label[pilot.origin[pilot.left_upward]]] = True
     leaves = np.zeros(n_sets, bool)
@@ -128,12 +131,14 @@ def _trace_from_sides(patches: Patches, bvh: Bvh, rng: np.random.Generator) -> _
     direction = normal + _random_directions(rng, len(side))
     direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-12)
     reach = 2.0**-20 * max(float(np.abs(patches.corners()).max(initial=0.0)), bvh.scale)
-    hits = trace_closest(bvh, point + reach * normal, direction, skip_patch=patch)
+    start = point + reach * normal
+    hits = trace_closest(bvh, start, direction, skip_patch=patch)
     missed = hits.patch < 0
     target = np.where(missed, 0, hits.patch).astype(np.int64)
     inside = ~missed & (hits.side == BACK) & (patches.solid[target] >= 0)
     return _Pilot(
         origin=side,
+        start=start,
         target=np.where(missed | inside, -1, 2 * target + hits.side),
         left=missed,
         left_upward=missed & (direction[:, 2] > 0.0),
@@ -153,6 +158,21 @@ def _sides_seen_by_points(scene: Scene, bvh: Bvh, rng: np.random.Generator) -> N
     hits = trace_closest(bvh, position, _random_directions(rng, len(position)))
     hit = hits.patch >= 0
     return np.unique(2 * hits.patch[hit].astype(np.int64) + hits.side[hit])
+
+
+def _sides_that_see_points(scene: Scene, bvh: Bvh, pilot: _Pilot) -> NDArray[np.int64]:
+    """The other way round, for sides that are small or far away: a source's own rays would hardly ever find them."""
+    position = scene.emitters.position[scene.emitters.patch == NONE]
+    outward = np.where(pilot.origin % 2 == BACK, -1.0, 1.0)
+    normal = scene.patches.normal[pilot.origin // 2] * outward[:, None]
+    seen = []
+    for place in position:
+        towards = place - pilot.start
+        facing = np.flatnonzero(np.einsum("rd,rd->r", towards, normal) > 0.0)
+        origin = pilot.origin[facing]
+        hidden = trace_any(bvh, pilot.start[facing], towards[facing], t_max=1.0, skip_patch=origin // 2)
+        seen.append(origin[~hidden])
+    return np.unique(np.concatenate(seen)) if seen else np.zeros(0, np.int64)
 
 
 def _random_directions(rng: np.random.Generator, n: int) -> NDArray[np.float64]:

@@ -134,3 +134,15 @@ def test_convexity_of_other_shapes():
     panel = cube()
     panel.patch((0.4, 0.4, 1.0), (0, 0.2, 0), (0.2, 0, 0), 0)
     assert is_convex(panel.scene().patches, nowhere)
+
+
+def test_surface_far_from_a_point_source(device):
+    """A plate that fills 1e-10 of the source's sky; and not its back, nor what stands behind it."""
+    b = SceneBuilder()
+    plate = b.patch((0, 0, 0), (4, 0, 0), (0, 4, 0), b.material(0.5))
+    hidden = b.patch((1, 1, -1), (2, 0, 0), (0, 2, 0), b.material(0.5))
+    b.point((2, -5e4, 8e4), 1.0)
+    found = lit_of(device, b)
+    assert found.lit[plate].tolist() == [True, False]
+    b.point((2, -5e4, -8e4), 1.0)
+    assert lit_of(device, b).lit[[plate, hidden], 1].all()
