@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from typing import Final
 
 GOOD: Final = 0
+FAILED: Final = 1
 BAD_INPUT: Final = 2
 INACCURATE: Final = 3
 INTERRUPTED: Final = 130
@@ -25,7 +26,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     Returns
     -------
     int
-        0 good, 2 bad input, 3 accuracy not reached (results written), 130 interrupted (what was known is written).
+        0 good, 1 outside the bars of a validation, 2 bad input, 3 accuracy not reached (results written),
+        130 interrupted (what was known is written).
     """
     from cyclopts import CycloptsError
 
