@@ -39,6 +39,8 @@ def check(scene: Path, /, *, device: str | None = None, json: bool = False) -> i
     from hradiosity.io.scene_toml import load_scene
     from hradiosity.space.bvh_build import build_bvh
     from hradiosity.space.check import check_scene
+    from hradiosity.space.contact_cuts import cut_at_contacts
+    from hradiosity.space.lit_sides import find_lit_sides
 
     try:
         loaded = load_scene(scene)
@@ -46,7 +48,9 @@ def check(scene: Path, /, *, device: str | None = None, json: bool = False) -> i
         if json:
             print(to_json({"faults": [asdict(fault) for fault in error.faults], "findings": [], "notes": []}))
         raise
-    findings = check_scene(loaded, build_bvh(Device(device), loaded.patches))
+    opened, cut = Device(device), cut_at_contacts(loaded)
+    lit = find_lit_sides(cut.scene, build_bvh(opened, cut.scene.patches)).of_parents(cut.parent)
+    findings = check_scene(loaded, build_bvh(opened, loaded.patches), lit)
     if json:
         notes = [{"kind": note.kind, "place": note.place, "message": note.message} for note in loaded.notes]
         print(to_json({"faults": [], "findings": [finding.as_json() for finding in findings], "notes": notes}))
