@@ -5,6 +5,9 @@
 
 #include "include/hr_double.h"
 
+/* Relative error that rounding leaves in sums of up to some hundred terms. */
+#define HR_AREA_ROUNDING 1.0e-14
+
 /* Points of one polygon: n_points each of x, y, z [m] and weight [m^2]; n_points is a multiple of 4. */
 HR_FORCE_INLINE double hr_area_exchange(const double3 na, const double3 nb, __global const double *a,
                                         __global const double *b, const uint n_points)
@@ -31,20 +34,21 @@ HR_FORCE_INLINE double hr_area_exchange(const double3 na, const double3 nb, __gl
     return (sum.x + sum.y + sum.z + sum.w) * (1.0 / HR_PI_D);
 }
 
-/* Relative error of `order` Gauss points a direction on both polygons: the remainder for 1/r^4, whose pole is at the
-   distance that is left between one polygon's centre and the other one's sphere. Constants from the remainder of
-   Gauss quadrature, for a pole straight ahead. ratio_a, ratio_b: radius over that distance. */
-HR_FORCE_INLINE double hr_area_error(const uint order, const double ratio_a, const double ratio_b)
+/* Relative error of `order` Gauss points a direction on one polygon: the remainder for 1/r^4, whose pole lies straight
+   ahead at the distance that is left between this polygon's centre and the other one's sphere; constants from the
+   remainder of Gauss quadrature. ratio: radius over that distance. The height over the other plane, linear, takes one
+   degree of exactness where it varies much over the polygon. slope: radius over the height of the centre. */
+HR_FORCE_INLINE double hr_area_error(const uint order, const double ratio, const double slope)
 {
-    const double a2 = ratio_a * ratio_a, b2 = ratio_b * ratio_b;
-    const double both4 = a2 * a2 + b2 * b2;
+    const double r2 = ratio * ratio;
+    const double odd = ratio * hr_larger_d(ratio, hr_smaller_d(slope, 2.0));
     if (order == 1)
-        return 3.4 * (a2 + b2);
+        return 3.4 * odd;
     if (order == 2)
-        return 3.2 * both4;
+        return 3.2 * odd * r2;
     if (order == 3)
-        return 2.0 * (a2 * a2 * a2 + b2 * b2 * b2);
-    return 1.0 * (a2 * a2 * a2 * a2 + b2 * b2 * b2 * b2);
+        return 2.0 * odd * r2 * r2;
+    return odd * r2 * r2 * r2;
 }
 
 #endif

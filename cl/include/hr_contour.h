@@ -211,7 +211,7 @@ inline double hr_contour_exchange(const double3 *a, const uint count_a, const do
             doubt += hr_magnitude_d(cosine) * pair_error;
         }
     }
-    *error = (doubt + 2.0 * HR_EPSILON_D * magnitude) / (2.0 * HR_PI_D);
+    *error = (doubt + 4.0 * HR_EPSILON_D * magnitude) / (2.0 * HR_PI_D);
     return sum / (2.0 * HR_PI_D);
 }
 

@@ -29,7 +29,8 @@ __kernel void area_exchange(HR_POLYGON_PARAMS,
     error[i] = 0.0;
     order_taken[i] = 0;
     /* Centroids further behind a plane than the radius: nothing to see; further in front: all is seen. */
-    double2 of_q = (double2)(hr_dot_d(across, np)), of_p = (double2)(-hr_dot_d(across, nq));
+    const double height_q = hr_dot_d(across, np), height_p = -hr_dot_d(across, nq);
+    double2 of_q = (double2)(height_q), of_p = (double2)(height_p);
     if (of_q.x < -rq || of_p.x < -rp)
         return;
     if (of_q.x <= rq)
@@ -42,15 +43,17 @@ __kernel void area_exchange(HR_POLYGON_PARAMS,
     if (of_q.x < -flat || of_p.x < -flat || distance <= rp + rq)
         return;
     const double ratio_p = rp / (distance - rq), ratio_q = rq / (distance - rp);
-    uint order = 1;
-    while (order <= 4 && hr_area_error(order, ratio_p, ratio_q) > tolerance)
-        ++order;
+    double relative = INFINITY;
+    uint order = 0;
+    while (relative > tolerance && ++order <= 4)
+        relative = hr_area_error(order, ratio_p, rp / height_p) + hr_area_error(order, ratio_q, rq / height_q);
     if (order > 4)
         return;
     const uint n_points = rule_length[order - 1];
     __global const double *rule = rule_point + rule_start[order - 1];
-    const double value = hr_area_exchange(np, nq, rule + (size_t)p * 4 * n_points, rule + (size_t)q * 4 * n_points, n_points);
+    const double value =
+        hr_area_exchange(np, nq, rule + (size_t)p * 4 * n_points, rule + (size_t)q * 4 * n_points, n_points);
     exchange[i] = value;
-    error[i] = hr_area_error(order, ratio_p, ratio_q) * value;
+    error[i] = (relative + HR_AREA_ROUNDING) * value;
     order_taken[i] = (uchar)order;
 }

@@ -13,7 +13,7 @@ from hradiosity.device import Device
 from hradiosity.transport.form_factor.methods import USED, Method, Settings, pair_exchange
 from hradiosity.transport.form_factor.occlusion import Occluders
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
-from hradiosity.transport.form_factor.polygons import PolygonSet, is_single, polygon_set, stack_corners
+from hradiosity.transport.form_factor.polygons import MOST_CORNERS, PolygonSet, is_single, polygon_set, stack_corners
 from hradiosity.transport.form_factor.sampling import Sequence as PointSequence
 
 PAIRS_AT_ONCE: Final = 2**22
@@ -203,11 +203,11 @@ def _together(named: dict[str, Polygons | None]) -> tuple[tuple[PolygonSet, list
         for name, alone, (rows, _) in zip(named, single, stacks)
         for i in range(len(rows))
     ]
-    most = max(rows.shape[1] for rows, _ in stacks)
+    # Few lengths of rows, since kernels are built for each.
+    most = min(k for k in (4, 8, 16, MOST_CORNERS) if k >= max(rows.shape[1] for rows, _ in stacks))
     corners = np.concatenate([np.pad(rows, ((0, 0), (0, most - rows.shape[1]), (0, 0)), "edge") for rows, _ in stacks])
     count = np.concatenate([number for _, number in stacks])
-    middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1))) if len(corners) else np.zeros(3)
-    return (polygon_set(corners, count, labels, middle), [len(rows) for rows, _ in stacks]), all(single[:2])
+    return (polygon_set(corners, count, labels), [len(rows) for rows, _ in stacks]), all(single[:2])
 
 
 def _rank(polygons: PolygonSet) -> NDArray[np.intp]:

@@ -87,9 +87,7 @@ def _float_array(polygon: ArrayLike, label: str) -> NDArray[np.float64]:
         raise ValueError(f"{label}: corners must be rows of three numbers") from None
 
 
-def polygon_set(
-    corners: NDArray[np.float64], count: NDArray[Any], labels: Sequence[str], local_origin: NDArray[np.float64]
-) -> PolygonSet:
+def polygon_set(corners: NDArray[np.float64], count: NDArray[Any], labels: Sequence[str]) -> PolygonSet:
     """Check polygons and derive area, normal and centroid.
 
     Parameters
@@ -97,13 +95,13 @@ def polygon_set(
     corners : (n, k, 3) float64 [m], world frame
     count : (n,) corners that count
     labels : how messages call each polygon
-    local_origin : (3,) [m]
 
     Raises
     ------
     ValueError
         A polygon without area, not plane, or not convex.
     """
+    local_origin = _local_origin(corners)
     local = corners - local_origin
     middle = local.mean(axis=1, keepdims=True)
     about = local - middle
@@ -122,6 +120,17 @@ def polygon_set(
     centre = middle[:, 0] + _centroid(about, normal)
     radius = np.linalg.norm(local - centre[:, None], axis=2).max(axis=1, initial=0.0)
     return PolygonSet(local, count.astype(np.uint32), normal, centre, area, radius, local_origin)
+
+
+def _local_origin(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """A point near the polygons where they are far from the world's origin, so round that no difference is rounded."""
+    low, high = corners.min(axis=(0, 1), initial=np.inf), corners.max(axis=(0, 1), initial=-np.inf)
+    if len(corners) == 0:
+        return np.zeros(3)
+    middle, half = 0.5 * (low + high), float(0.5 * (high - low).max())
+    step = 2.0 ** np.ceil(np.log2(half))
+    origin: NDArray[np.float64] = np.where(np.abs(middle) > 4.0 * half, np.round(middle / step) * step, 0.0)
+    return origin
 
 
 def _refuse(bad: NDArray[np.bool_], labels: Sequence[str], why: str) -> None:

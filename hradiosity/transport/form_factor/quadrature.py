@@ -48,13 +48,18 @@ class SurfaceRule:
 
 
 def surface_rule(polygons: PolygonSet, order: int) -> SurfaceRule:
-    """``order × order`` Gauss points on each quadrilateral of a fan about the first corner.
+    """Points that integrate polynomials of degree ``2 order - 1`` over each polygon, and those of degree 1 from one.
 
-    Quadrilaterals are mapped bilinearly; a triangle is one with two corners in one place, which makes it Duffy's map.
+    Polygons are cut into a fan of quadrilaterals about the first corner, with Gauss points on each, mapped bilinearly;
+    a triangle is a quadrilateral with two corners in one place (Duffy's map). The map's Jacobian is linear unless they
+    are parallelograms, which takes one point more a direction.
     """
     corners = polygons.corners
     k = corners.shape[1]
-    node, weight = gauss(order)
+    if order == 1:
+        rows = np.concatenate([polygons.centre, polygons.area[:, None]], axis=1)
+        return _padded(rows[:, None])
+    node, weight = gauss(order if _all_parallelograms(polygons) else order + 1)
     u, v = (grid.ravel() for grid in np.meshgrid(node, node, indexing="ij"))
     share = np.outer(weight, weight).ravel()
     parts = []
@@ -66,7 +71,19 @@ def surface_rule(polygons: PolygonSet, order: int) -> SurfaceRule:
         point = p0[:, None] + u[:, None] * (p1 - p0)[:, None] + v[:, None] * along_v
         stretch = np.einsum("npd,nd->np", np.cross(along_u, along_v), polygons.normal)
         parts.append(np.concatenate([point, (share * stretch)[..., None]], axis=2))
-    rows = np.concatenate(parts, axis=1)
+    return _padded(np.concatenate(parts, axis=1))
+
+
+def _all_parallelograms(polygons: PolygonSet) -> bool:
+    corners = polygons.corners
+    if corners.shape[1] != 4:
+        return False
+    warp = corners[:, 0] - corners[:, 1] + corners[:, 2] - corners[:, 3]
+    return bool((np.abs(warp).max(axis=1, initial=0.0) <= 1e-9 * polygons.radius).all())
+
+
+def _padded(rows: NDArray[np.float64]) -> SurfaceRule:
+    """From points (n, p, 4) to coordinates in front, filled up to a multiple of four points."""
     padding = np.repeat(rows[:, :1], -rows.shape[1] % 4, axis=1)
     padding[..., 3] = 0.0
     return SurfaceRule(np.ascontiguousarray(np.concatenate([rows, padding], axis=1).transpose(0, 2, 1)))
