@@ -103,3 +103,21 @@ def test_a_box_without_bottom_is_dark_inside_and_like_a_solid_one_outside(device
     ratio = hollow.readings["lit"].illuminance / full.readings["lit"].illuminance
     assert np.abs(ratio - 1).max() < 0.03
     assert hollow.elements.area.sum() == pytest.approx(full.elements.area.sum(), rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("corner", "edge_u", "edge_v"),
+    [((3, 0, 0), (1.1, 4, 0), (0, 0, 3)), ((3, -0.05, -0.05), (0, 4.1, 0), (0, 0, 3.1))],
+    ids=("oblique", "through the walls"),
+)
+def test_behind_other_partitions_it_is_dark(device, corner, edge_u, edge_v):
+    b = SceneBuilder(1)
+    grey = b.material(0.5)
+    b.box((0, 0, 0), (6, 4, 3), grey, inward=True)
+    b.patch(corner, edge_u, edge_v, grey)
+    b.point((1, 1, 2), 1.0)
+    b.sensor([(5, 2, 0.01), (5.5, 1, 1.5), (4.6, 3.9, 2.9)], [(0, 0, 1), (-1, 0, 0), (0, 0, -1)], "dark")
+    b.sensor((2, 2, 0), (0, 0, 1), "lit")
+    readings = solve(b.scene(), RAYS, device).readings
+    assert not readings["dark"].irradiance.any()
+    assert readings["lit"].irradiance.all()
