@@ -10,10 +10,7 @@
 #define HR_SHAFT_H
 
 #include "include/hr_bvh.h"
-
-#define HR_SIGHT_UNKNOWN 0u
-#define HR_SIGHT_FREE 1u
-#define HR_SIGHT_HIDDEN 2u /* the one lies behind the other: no light goes between them */
+#include "include/hr_sight.h"
 
 #define HR_SHAFT_PLANES 10u
 #define HR_SHAFT_SLACK 0x1p-21f  /* of the coordinates' size: half of what ray origins are lifted by */
@@ -87,6 +84,19 @@ HR_FORCE_INLINE void hr_add_sides(hr_shaft *shaft, const uint first, const uint 
         }
         hr_add_plane(shaft, n);
     }
+}
+
+/* Whether some point of the receiver may be within `reach` of the emitter's centre. */
+HR_FORCE_INLINE int hr_is_near(const hr_shaft *shaft, const float reach)
+{
+    const float3 *c = shaft->corner;
+    const float3 centre = 0.25f * (c[0] + c[1] + c[2] + c[3]);
+    const float3 apart = 0.25f * (c[4] + c[5] + c[6] + c[7]) - centre;
+    float radius2 = 0.0f;
+    for (uint k = 0; k < 4u; ++k)
+        radius2 = hr_larger(radius2, hr_dot(c[k] - centre, c[k] - centre));
+    const float limit = reach + sqrt(radius2);
+    return hr_dot(apart, apart) <= limit * limit;
 }
 
 /* The hull's bounding planes but for the receiver's and the emitter's own. */
@@ -197,10 +207,11 @@ HR_FORCE_INLINE int hr_is_empty(HR_BVH_PARAMS, const hr_shaft *shaft, const uint
 }
 
 /* What can be said for sure about the sight between a flat receiver with unit normal n, corners counter-clockwise seen
-   from its light side, and an emitter with unit normal m (0: a point source). Points repeat their one corner. */
+   from its light side, and an emitter with unit normal m (0: a point source). Points repeat their one corner. Whether
+   the sight is free is tried where some point of the receiver may be within `reach` of the emitter's centre [m]. */
 HR_NO_INLINE uint hr_sight(HR_BVH_PARAMS, const float3 *receiver_corner, const float3 n, const uint own,
                            const float3 *emitter_corner, const float3 m, const uint lamp, const uint two_sided,
-                           const float scale, const uint most_visits)
+                           const float scale, const float reach, const uint most_visits)
 {
     hr_shaft shaft;
     float size = scale;
@@ -242,6 +253,8 @@ HR_NO_INLINE uint hr_sight(HR_BVH_PARAMS, const float3 *receiver_corner, const f
             hr_keep_plane(&shaft, m, lamp_low + shaft.slack);
         }
     }
+    if (!hr_is_near(&shaft, reach))
+        return HR_SIGHT_UNKNOWN;
     hr_prepare_shaft(&shaft, turn);
     return hr_is_empty(HR_BVH, &shaft, own, lamp, most_visits) ? HR_SIGHT_FREE : HR_SIGHT_UNKNOWN;
 }

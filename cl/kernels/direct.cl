@@ -4,6 +4,7 @@
 #include "include/hr_emitters.h"
 #include "include/hr_outcomes.h"
 #include "include/hr_shaft.h"
+#include "include/hr_sight.h"
 
 /* Rays that take about as long as a proof that they are free. */
 #define HR_RAYS_OF_A_SHAFT 16u
@@ -113,7 +114,7 @@ HR_FORCE_INLINE int hr_proved_free(const float3 x, const float3 n, const uint em
     const float3 point[4] = {x, x, x, x};
     const float3 corner[4] = {origin, origin + eu, patch_kind[patch] ? origin + ev : origin + eu + ev, origin + ev};
     return hr_sight(HR_BVH, point, n, HR_NONE, corner, hr_load3(patch_normal, patch), patch, emitter_two_sided[emitter],
-                    scale, most_visits) == HR_SIGHT_FREE;
+                    scale, INFINITY, most_visits) == HR_SIGHT_FREE;
 }
 
 /* The same at single points, as the closed form times the open share of the weighted rays; of many rays only where no

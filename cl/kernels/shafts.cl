@@ -12,7 +12,7 @@ __kernel void prove_sight(HR_BVH_PARAMS,
                           __global const uint *pair_receiver,    /* (n_items,)                                */
                           __global const uint *pair_emitter,     /* (n_items,)                                */
                           __global uchar *sight,                 /* (n_items,) HR_SIGHT_…                     */
-                          const float scale, const uint most_visits, const uint n_items)
+                          const float scale, const float reach, const uint most_visits, const uint n_items)
 {
     const uint i = get_global_id(0);
     if (i >= n_items)
@@ -25,5 +25,6 @@ __kernel void prove_sight(HR_BVH_PARAMS,
         emitter[k] = hr_load3(emitter_corner, 4u * e + k);
     }
     sight[i] = (uchar)hr_sight(HR_BVH, receiver, hr_load3(receiver_normal, r), receiver_patch[r], emitter,
-                               hr_load3(emitter_normal, e), emitter_patch[e], emitter_two_sided[e], scale, most_visits);
+                               hr_load3(emitter_normal, e), emitter_patch[e], emitter_two_sided[e], scale, reach,
+                               most_visits);
 }

@@ -16,7 +16,7 @@ from hradiosity.space.hierarchy import Elements
 from hradiosity.space.lit_sides import LitSides
 
 UNKNOWN: Final = 0
-"""Something may stand between, or the search was given up. Values as in ``cl/include/hr_shaft.h``."""
+"""Something may stand between, or the search was given up. Values as in ``cl/include/hr_sight.h``."""
 FREE: Final = 1
 """Nothing stands between any two points of both."""
 HIDDEN: Final = 2
@@ -25,7 +25,7 @@ HIDDEN: Final = 2
 MOST_VISITS: Final = 64
 """Nodes and leaves of the ray structure that the search for something in between may look into."""
 FARTHEST: Final = 3.0
-"""Pairs farther apart than so many mean free paths of light are not tried: hardly any shaft so long is empty."""
+"""Pairs farther apart than so many mean free paths of light are not proved free: hardly any shaft so long is empty."""
 BATCH_PAIRS: Final = 1 << 22
 """Pairs on the device at a time."""
 
@@ -88,9 +88,13 @@ def prove_sight(
     emitters: EmitterShapes,
     pair_receiver: NDArray[np.integer[Any]],
     pair_emitter: NDArray[np.integer[Any]],
+    *,
+    reach: float = np.inf,
     most_visits: int = MOST_VISITS,
 ) -> NDArray[np.uint8]:
     """What is sure about each pair of a receiver and an emitter: UNKNOWN, FREE or HIDDEN.
+
+    That the sight is free is tried where some point of the receiver may be within `reach` of the emitter's centre [m].
 
     FREE holds for the rays that kernels aim from points of the receiver, lifted by ``hr_offset_origin``, at points of
     the emitter that they see the shining side of (Haines & Wallace 1991).
@@ -121,6 +125,7 @@ def prove_sight(
             pair_emitter=device.upload(pair_emitter[part], np.uint32),
             sight=found,
             scale=bvh.scale,
+            reach=reach,
             most_visits=most_visits,
         )
         sight[part] = device.fetch(found)[:n]
@@ -141,9 +146,9 @@ def row_sight(
 ) -> NDArray[np.uint8]:
     """(n_rows, n_emitters) what is sure about all cells of each row element.
 
-    Patch sides are tried whole; those that nothing is sure of are cut in four, down to their cells. Pairs that are far
-    apart or share no lit space are left unknown at once: their shafts would fail. That no ray found a way from one
-    space to another does not prove that there is none.
+    Patch sides are tried whole; those that nothing is sure of are cut in four, down to their cells. Pairs that share no
+    lit space are left unknown: their shafts would fail, but that no ray found a way from one space to another does not
+    prove that there is none.
     """
     cells = _cell_sight(bvh, patches, elements, emitters, lit)
     n_rows = len(elements)
@@ -193,34 +198,17 @@ def _cell_sight(
     top[triangle] = np.minimum(top[triangle], 1)
     depth = int(top.max(initial=0))
     sight = np.zeros((len(lit_side), len(emitters.patch)), np.uint8)
-    worth = _share_a_space(lit, emitters)[lit_side]
+    shared = _share_a_space(lit, emitters)
     for level in range(depth, -1, -1):
         squares = _level(lit_side, divisions, triangle, top, level)
         if level < depth:
-            sight, worth = sight[squares.parent], worth[squares.parent]
-        pairs = np.nonzero((sight == UNKNOWN) & worth & squares.new[:, None])
+            sight = sight[squares.parent]
+        pairs = np.nonzero((sight == UNKNOWN) & squares.new[:, None] & shared[squares.side])
         used, receiver = np.unique(pairs[0], return_inverse=True)
         receivers = _receivers(patches, elements, squares, used, level)
-        near = _are_near(receivers, emitters, receiver, pairs[1], FARTHEST * lit.free_path)
-        worth[pairs] = near
-        square, emitter = pairs[0][near], pairs[1][near]
-        sight[square, emitter] = prove_sight(bvh, receivers, emitters, receiver[near], emitter)
+        reach = FARTHEST * lit.free_path
+        sight[pairs] = prove_sight(bvh, receivers, emitters, receiver, pairs[1], reach=reach)
     return sight
-
-
-def _are_near(
-    receivers: Receivers,
-    emitters: EmitterShapes,
-    pair_receiver: NDArray[np.int64],
-    pair_emitter: NDArray[np.int64],
-    reach: float,
-) -> NDArray[np.bool_]:
-    """(n_pairs,) whether some point of the receiver may be within `reach` of the emitter's centre [m]."""
-    centre = receivers.corners.mean(axis=1)
-    radius = np.linalg.norm(receivers.corners - centre[:, None], axis=2).max(axis=1, initial=0.0)
-    apart = emitters.corners.mean(axis=1)[pair_emitter] - centre[pair_receiver]
-    near: NDArray[np.bool_] = np.einsum("pk,pk->p", apart, apart) <= (reach + radius[pair_receiver]) ** 2
-    return near
 
 
 def _counts(
