@@ -3,6 +3,7 @@
 #include "include/hr_elements.h"
 #include "include/hr_emitters.h"
 #include "include/hr_outcomes.h"
+#include "include/hr_sight.h"
 
 /* Number `count` of the plain random numbers that `seed` begins. */
 HR_FORCE_INLINE float hr_plain(const uint seed, const uint count)
@@ -39,8 +40,8 @@ typedef struct {
    view the second has no noise. */
 HR_FORCE_INLINE hr_explicit hr_light_hit(const float3 x, const float3 n, const uint own, const uint row,
                                          const float3 numbers, __global const float *emitter_choice,
-                                         __global const float *row_direct, const uint n_emitters,
-                                         const uint occlusion, const float scale, HR_EMITTER_PARAMS, HR_PATCH_PARAMS,
+                                         __global const float *row_direct, __global const uchar *row_sight,
+                                         const uint n_emitters, const uint occlusion, const float scale, HR_EMITTER_PARAMS, HR_PATCH_PARAMS,
                                          HR_BVH_PARAMS)
 {
     hr_explicit light = {0, 0.0f, 0.0f, 0};
@@ -63,7 +64,7 @@ HR_FORCE_INLINE hr_explicit hr_light_hit(const float3 x, const float3 n, const u
                               : far_area * hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH);
     if (factor <= 0.0f)
         return light;
-    if (!occlusion) {
+    if (!occlusion || (known && row_sight[(size_t)row * n_emitters + emitter] == HR_SIGHT_FREE)) {
         light.gain = factor / probability;
         return light;
     }
@@ -117,6 +118,7 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
                           __global const float *row_size,       /* (n_rows,) edge of each element [m]            */
                           __global const float *emitter_choice, /* (n_rows, n_emitters) summed probabilities     */
                           __global const float *row_direct,     /* (n_rows, n_emitters) of each element          */
+                          __global const uchar *row_sight,      /* (n_rows, n_emitters) HR_SIGHT_…               */
                           __global const uint *path_number,     /* (n_paths,) n_samples point + sample           */
                           __global uint *path_material,         /* (n_paths, HR_LIT_HITS) at the lit hits, or NONE */
                           __global uint *path_emitter,          /* (n_paths, HR_LIT_HITS) drawn there            */
@@ -151,8 +153,8 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         }
         const float3 y = hr_patch_point(hit.patch, hit.u, hit.v, HR_PATCH);
         n = hr_side_normal(hit.patch, hit.side, patch_normal);
-        hr_explicit light = hr_light_hit(y, n, hit.patch, row, numbers, emitter_choice, row_direct, n_emitters,
-                                         occlusion, scale, HR_EMITTER, HR_PATCH, HR_BVH);
+        hr_explicit light = hr_light_hit(y, n, hit.patch, row, numbers, emitter_choice, row_direct, row_sight,
+                                         n_emitters, occlusion, scale, HR_EMITTER, HR_PATCH, HR_BVH);
         path_material[first + lit] = side_material[2 * hit.patch + hit.side];
         path_emitter[first + lit] = light.emitter;
         d = hr_cosine_direction(n, next.x, next.y);

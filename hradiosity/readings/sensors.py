@@ -163,6 +163,7 @@ def trace_paths(
         row_size=elements.row_size,
         emitter_choice=light.emitter_choice,
         row_direct=light.row_direct,
+        row_sight=elements.sight(scene),
         path_number=device.upload(number),
         path_material=material,
         path_emitter=emitter,
