@@ -15,6 +15,22 @@ HR_FORCE_INLINE double2 hr_sample_pair(const uint index, const uint dimension, c
     return (double2)(hr_unit_float(key), hr_unit_float(hr_hash(key ^ 0x85ebca6bu)));
 }
 
+HR_FORCE_INLINE uint hr_place_bits(__global const double *polygon_sphere, const uint polygon)
+{
+    __global const double *row = polygon_sphere + 4 * (size_t)polygon;
+    const uint xy = hr_combine(as_uint((float)row[0]), as_uint((float)row[1]));
+    return hr_combine(xy, as_uint((float)row[2]));
+}
+
+/* Seed of one pair and replicate. It follows from where the polygons are, not from their numbers, so that a pair gives
+   the same however it is listed, while errors of different pairs have nothing to do with each other. */
+HR_FORCE_INLINE uint hr_pair_seed(const uint seed, const uint p, const uint q, const uint replicate,
+                                  __global const double *polygon_sphere)
+{
+    const uint place = hr_combine(hr_place_bits(polygon_sphere, p), hr_place_bits(polygon_sphere, q));
+    return hr_combine(hr_combine(seed, place), replicate);
+}
+
 /* Point of a convex polygon, uniform in area: a triangle of the fan about the first corner by u, whose remainder is
    used again; square-root map inside it. */
 inline double3 hr_point_on_polygon(const uint polygon, const double2 u, HR_POLYGON_PARAMS)

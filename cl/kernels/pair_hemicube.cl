@@ -1,6 +1,6 @@
 /* Exchange of polygon pairs from hemicubes over points of one; nothing stands between the pair. */
 #include "include/hr_pair_hemicube.h"
-#include "include/hr_sampling.h"
+#include "include/hr_pair_sampling.h"
 
 /* One work-item adds up the hemicubes of one pair, each turned by a random angle. */
 __kernel void hemicube_exchange(HR_POLYGON_PARAMS,
@@ -19,6 +19,7 @@ __kernel void hemicube_exchange(HR_POLYGON_PARAMS,
     const double3 np = hr_row_d(polygon_normal, p), nq = hr_row_d(polygon_normal, q);
     __global const double *rule = rule_point + (size_t)p * 4 * n_points;
     double3 corner[HR_CORNERS];
+    const uint key = hr_pair_seed(seed, p, q, i % n_turns, polygon_sphere);
     double sum = 0.0;
     for (uint k = 0; k < n_points; ++k) {
         const double weight = rule[3 * n_points + k];
@@ -26,7 +27,7 @@ __kernel void hemicube_exchange(HR_POLYGON_PARAMS,
         if (weight == 0.0 || hr_dot_d(x - hr_row_d(polygon_corner, (size_t)q * HR_CORNERS), nq) <= 0.0)
             continue;
         hr_load_polygon(q, x, 1.0, corner, HR_POLYGON);
-        const float turn = hr_unit_float(hr_combine(hr_combine(seed, i), k));
+        const float turn = hr_unit_float(hr_combine(key, k));
         sum += weight * hr_covered_pixels(np, 2.0 * HR_PI_D * turn, corner, polygon_count[q], pixel, resolution);
     }
     exchange[i] = sum;

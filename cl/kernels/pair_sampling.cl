@@ -16,7 +16,7 @@ __kernel void sample_exchange(HR_POLYGON_PARAMS,
         return;
     const uint p = first[i / n_replicates], q = second[i / n_replicates];
     const double3 np = hr_row_d(polygon_normal, p), nq = hr_row_d(polygon_normal, q);
-    const uint key = hr_combine(seed, i % n_replicates);
+    const uint key = hr_pair_seed(seed, p, q, i % n_replicates, polygon_sphere);
     double sum = 0.0;
     for (uint k = 0; k < n_samples; ++k) {
         const double3 x = hr_point_on_polygon(p, hr_sample_pair(k, 0, key, sequence), HR_POLYGON);
@@ -46,7 +46,7 @@ __kernel void trace_exchange(HR_POLYGON_PARAMS,
     const uint p = first[i / n_replicates], q = second[i / n_replicates];
     const double3 np = hr_row_d(polygon_normal, p);
     const float3 n = (float3)((float)np.x, (float)np.y, (float)np.z);
-    const uint key = hr_combine(seed, i % n_replicates);
+    const uint key = hr_pair_seed(seed, p, q, i % n_replicates, polygon_sphere);
     uint met = 0;
     for (uint k = 0; k < n_samples; ++k) {
         const double3 x = hr_point_on_polygon(p, hr_sample_pair(k, 0, key, sequence), HR_POLYGON);

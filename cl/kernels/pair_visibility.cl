@@ -83,7 +83,7 @@ __kernel void sample_visibility(HR_POLYGON_PARAMS, HR_SIDES_PARAMS,
     const int is_listed = count <= HR_LISTED;
     const uint n_tried = is_listed ? count : n_occluders;
     const double3 np = hr_row_d(polygon_normal, p), nq = hr_row_d(polygon_normal, q);
-    const uint key = hr_combine(seed, i % n_replicates);
+    const uint key = hr_pair_seed(seed, p, q, i % n_replicates, polygon_sphere);
     double sum = 0.0, seen = 0.0;
     for (uint k = 0; k < n_samples; ++k) {
         const double3 x = hr_point_on_polygon(p, hr_sample_pair(k, 0, key, 1), HR_POLYGON);

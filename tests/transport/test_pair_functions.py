@@ -45,11 +45,10 @@ def edge_sums(device, edges):
 
 
 def test_edge_pairs(device):
-    """Adaptive quadrature of both integrals, asked for 1e-7, gives that where the logarithm is infinite."""
     edges = np.array(list(EDGES.values()), float)
     value, error = edge_sums(device, edges)
     for name, rows, found in zip(EDGES, edges, value):
-        assert found == pytest.approx(edge_pair(*rows), rel=2e-7), name
+        assert found == pytest.approx(edge_pair(*rows), rel=1e-10), name
     assert (error <= 1e-9 * np.abs(value)).all()
 
 

@@ -26,7 +26,7 @@ TOLERANCES = {
         "sliver": 1e-3,
     },
     "quasi-hemisphere": {
-        "parallel-opposed": 2e-3,
+        "parallel-opposed": 1e-2,
         "parallel-offset": 2e-3,
         "area-ratio": 1e-2,
         "perpendicular-common-edge": 1e-2,
