@@ -1,7 +1,4 @@
-"""Scenes made in a few lines: the box rooms whose continuous solutions stand in ``data/scenes.json``, and helpers."""
-
-import json
-from pathlib import Path
+"""Scenes made in a few lines: the box rooms whose continuous solutions come with the package, and helpers."""
 
 import numpy as np
 
@@ -9,6 +6,7 @@ from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.scene import Emitters, Luminaire, Material, Scene, Sensor, Sky
 from hradiosity.model.spectrum import Bands
+from hradiosity.suites.validation import data
 
 FACES = ("x0", "x1", "y0", "y1", "floor", "ceiling")
 INWARD = {
@@ -20,10 +18,7 @@ INWARD = {
     "ceiling": (0, 0, -1),
 }
 SENSOR = "points"
-CASES = {
-    case["id"]: case
-    for case in json.loads((Path(__file__).parent / "data" / "scenes.json").read_text(encoding="utf-8"))["box"]
-}
+CASES = data.box_rooms()
 
 
 def box_faces(x, y, z):

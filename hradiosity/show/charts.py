@@ -6,6 +6,7 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from html import escape
+from itertools import groupby
 from typing import Final
 
 WIDTH: Final = 760.0
@@ -24,6 +25,7 @@ class ChartPoint:
     """One point along a curve.
 
     deviation, half_width, bar : relative; half_width may be None
+    curve : neighbours of one curve are joined by a line
     """
 
     name: str
@@ -32,6 +34,7 @@ class ChartPoint:
     deviation: float
     half_width: float | None
     bar: float
+    curve: str = ""
 
     @property
     def passed(self) -> bool:
@@ -120,11 +123,13 @@ def _values(points: Sequence[ChartPoint], place: Sequence[float]) -> list[str]:
     if logarithmic:
         axis = _Axis(10.0 ** math.floor(math.log10(min(known))), max(high, max(known)) * 1.5, TOP, VALUES, True)
     else:
+        high = high or 1.0 if low >= 0.0 else high
         low = 0.0 if 0.0 <= low < 0.6 * high else low - 0.08 * ((high - low) or abs(high) or 1.0)
         axis = _Axis(low, high + 0.06 * ((high - low) or abs(high) or 1.0), TOP, VALUES)
-    path = "L".join(f"{x:.1f} {axis.at(v):.1f}" for x, v in zip(place, known))
     parts = [*_frame(axis, axis.ticks(), plain_number)]
-    parts.append(f'<path d="M{path}" fill="none" stroke="{REFERENCE}" stroke-width="2" stroke-linejoin="round"/>')
+    for _, run in groupby(range(len(points)), key=lambda k: points[k].curve):
+        path = "L".join(f"{place[k]:.1f} {axis.at(known[k]):.1f}" for k in run)
+        parts.append(f'<path d="M{path}" fill="none" stroke="{REFERENCE}" stroke-width="2" stroke-linejoin="round"/>')
     for x, point in zip(place, points):
         parts.append(
             f'<circle cx="{x:.1f}" cy="{axis.at(point.reference):.1f}" r="4.5" fill="none" stroke="{REFERENCE}"/>'
@@ -142,10 +147,11 @@ def _deviations(points: Sequence[ChartPoint], place: Sequence[float]) -> list[st
     axis = _Axis(-limit, limit, TOP + VALUES + GAP, DEVIATIONS)
     step = place[1] - place[0] if len(place) > 1 else WIDTH - LEFT - RIGHT
     parts = []
-    for x, point in zip(place, points):
-        upper, lower = axis.at(min(100.0 * point.bar, limit)), axis.at(max(-100.0 * point.bar, -limit))
-        size = f'width="{step:.1f}" height="{lower - upper:.1f}"'
-        parts.append(f'<rect x="{x - step / 2:.1f}" y="{upper:.1f}" {size} fill="{BAND}"/>')
+    for bar, run in groupby(range(len(points)), key=lambda k: points[k].bar):
+        members = list(run)
+        upper, lower = axis.at(min(100.0 * bar, limit)), axis.at(max(-100.0 * bar, -limit))
+        size = f'width="{step * len(members):.1f}" height="{lower - upper:.1f}"'
+        parts.append(f'<rect x="{place[members[0]] - step / 2:.1f}" y="{upper:.1f}" {size} fill="{BAND}"/>')
     parts += _frame(axis, nice_ticks(-limit, limit, 4), lambda v: f"{v:.12g}")
     parts.append(f'<path d="M{LEFT:g} {axis.at(0):.1f}H{WIDTH - RIGHT:g}" stroke="{REFERENCE}"/>')
     middle = axis.top + axis.height / 2

@@ -63,7 +63,7 @@ class Folded:
 
     def html(self) -> str:
         """As an element."""
-        start = "<details open>" if self.opened else "<details>"
+        start = '<details open="open">' if self.opened else "<details>"
         return f"{start}<summary>{escape(self.title)}</summary>\n{self.table.html()}\n</details>"
 
 

@@ -1,8 +1,5 @@
 """The float64 twins against a catalogue of form factors that was computed at 30 digits by other methods."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -15,8 +12,9 @@ from hradiosity.reference.form_factors import (
 )
 from hradiosity.reference.point_factors import point_to_patch, points_to_polygon
 from hradiosity.reference.radiosity import solve_dense
+from hradiosity.suites.validation.data import form_factors
 
-CATALOGUE = json.loads((Path(__file__).parents[1] / "data" / "form_factors.json").read_text())["entries"]
+CATALOGUE = form_factors()
 
 
 def catalogue(kind):

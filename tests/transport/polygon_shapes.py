@@ -1,11 +1,10 @@
 """Polygons and the published catalogue that tests of form factors share."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 
-CATALOGUE = json.loads((Path(__file__).parents[1] / "data" / "form_factors.json").read_text())["entries"]
+from hradiosity.suites.validation.data import form_factors
+
+CATALOGUE = form_factors()
 PAIRS = [entry for entry in CATALOGUE if entry["kind"] == "polygon-polygon"]
 POINTS = [entry for entry in CATALOGUE if entry["kind"] == "point-polygon"]
 DISKS = [entry for entry in CATALOGUE if entry["kind"] == "disk-disk"]

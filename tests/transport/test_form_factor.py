@@ -4,19 +4,17 @@ Tolerances are what single precision allows. The input is rounded before both si
 judged. Each class is tried in 40 rotations; `python -m pytest -rP -k accuracy` prints the largest errors.
 """
 
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 from device_call import device_call
 from scipy.spatial.transform import Rotation
 
 from hradiosity.reference.point_factors import points_to_polygon
+from hradiosity.suites.validation.data import form_factors
 
 HEADER = "hr_form_factor.h"
 PATCH_CALL = "hr_point_to_patch(x, n, i, m, in_origin, in_edge_u, in_edge_v, in_m, in_kind)"
-CATALOGUE = json.loads((Path(__file__).parents[1] / "data" / "form_factors.json").read_text())["entries"]
+CATALOGUE = form_factors()
 
 
 def single(array):

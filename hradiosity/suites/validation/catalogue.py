@@ -48,6 +48,6 @@ def _fits(name: str, word: str) -> bool:
 
 
 def _like(word: str, names: Sequence[str]) -> str:
-    near = difflib.get_close_matches(word, names, n=3, cutoff=0.4)
-    near += [name for name in names if word.lower() in name and name not in near][: 3 - len(near)]
-    return f"did you mean {', '.join(near)}?" if near else "hradiosity validate --list names all"
+    near = [name for name in names if word.lower() in name.lower()]
+    near += [name for name in difflib.get_close_matches(word, names, n=3, cutoff=0.4) if name not in near]
+    return f"did you mean {', '.join(near[:3])}?" if near else "hradiosity validate --list names all"

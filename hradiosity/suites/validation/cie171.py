@@ -50,8 +50,10 @@ def cases() -> list[Case]:
 
 
 def points_of(case: Mapping[str, Any], tolerance: float) -> tuple[Point, ...]:
-    """Known points of a case of the data."""
-    return tuple(Point(name, point["value"], tolerance) for name, point in case["points"].items())
+    """Known points of a case of the data; those on one face make a curve."""
+    return tuple(
+        Point(name, point["value"], tolerance, str(point.get("n", ""))) for name, point in case["points"].items()
+    )
 
 
 def _places(case: Mapping[str, Any]) -> list[tuple[Sequence[float], Sequence[float]]]:

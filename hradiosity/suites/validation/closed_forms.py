@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -60,7 +61,7 @@ def _planes(known: Mapping[str, float]) -> Case:
         group=GROUP,
         quantity="illuminance",
         unit="lx",
-        points=(Point("on plane 2", known["B1"], AT_POINTS), Point("on plane 1", known["B2"], AT_POINTS)),
+        points=(Point("on plane 2", known["B1"], AT_POINTS, "2"), Point("on plane 1", known["B2"], AT_POINTS, "1")),
         measure=lambda bench: scaled(bench.solve(job), 1.0),
         jobs=(job,),
         note=f"Plates of {PLATE:g} m stand for the planes, 1 m apart; the points are in their middle.",
@@ -88,7 +89,7 @@ def _six_patches(known: Mapping[str, Any], number: int) -> Case:
         group=GROUP,
         quantity="exitance",
         unit="lm m⁻²",
-        points=tuple(Point(face, value, MEANS) for face, value in zip(FACES, known["B"])),
+        points=tuple(Point(face, value, MEANS, face) for face, value in zip(FACES, known["B"])),
         measure=measure,
         jobs=(job,),
         note="One element a face: the solution of the discrete system, and not that of the continuous equation.",
@@ -123,7 +124,7 @@ def _sphere(known: Mapping[str, float]) -> Case:
         group=GROUP,
         quantity="illuminance",
         unit="lx",
-        points=(*(Point(name, known["E"], AT_POINTS) for name in names), Point("mean", known["E"], MEANS)),
+        points=(*(Point(name, known["E"], AT_POINTS) for name in names), Point("mean", known["E"], MEANS, "mean")),
         measure=measure,
         jobs=(job,),
         note=f"A polyhedron of {len(triangle)} triangles and of the sphere's area stands for it.",
@@ -153,13 +154,14 @@ def _shells(known: Mapping[str, float], number: int) -> Case:
         group=GROUP,
         quantity="mean illuminance",
         unit="lx",
-        points=(Point("inner", known["E1"], MEANS), Point("outer", known["E2"], MEANS)),
+        points=(Point("inner", known["E1"], MEANS, "inner"), Point("outer", known["E2"], MEANS, "outer")),
         measure=measure,
         jobs=(job,),
         note=f"Polyhedra of {len(inner[1])} and {len(outer[1])} triangles and of the spheres' areas stand for them.",
     )
 
 
+@cache
 def sphere(radius: float, level: int, *, inwards: bool) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
     """A polyhedron of 20 · 4^level triangles with the area of a sphere about the origin.
 

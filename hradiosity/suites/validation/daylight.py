@@ -106,6 +106,7 @@ def _ground(extent: float) -> Rectangle:
 
 def _facade_opening() -> Case:
     known = data.cie171()["5.11-2x1-t5"]
+    known = {**known, "points": dict(sorted(known["points"].items(), key=lambda item: item[0].endswith("'")))}
     points = {name: (point["p"], point["n"]) for name, point in known["points"].items()}
     far = [name for name in points if name in ("C", "D")]
     near = [name for name in points if name not in far]
@@ -151,7 +152,7 @@ def _masked(name: str, what: str, outside: tuple[Rectangle, ...]) -> Case:
     under_sky = _job(f"CIE 171 {name}", _facade(), outside, points, "y0")
     by_mask = _job(f"CIE 171 {name}, mask", _facade(), shining, points, "y0", sky=False)
     tolerance = known["tol_rel"]
-    masks = [Point(f"{key} mask", point["mask_cf"], tolerance) for key, point in known["points"].items()]
+    masks = [Point(f"{key} mask", point["mask_cf"], tolerance, "mask") for key, point in known["points"].items()]
 
     def measure(bench: Bench) -> list[Measured]:
         return [found for job in (under_sky, by_mask) for found in scaled(bench.solve(job), 100.0 / E_HZ)]

@@ -52,7 +52,7 @@ def _case(name: str, title: str, points: Sequence[Point], measure: Any, note: st
 
 
 def _known(entries: Sequence[Mapping[str, Any]], tolerance: float) -> list[Point]:
-    return [Point(entry["id"], float(entry["F12"]), tolerance) for entry in entries]
+    return [Point(entry["id"], float(entry["F12"]), tolerance, entry["id"]) for entry in entries]
 
 
 def _measured(found: FormFactors) -> list[Measured]:
@@ -86,7 +86,7 @@ def _cube() -> Case:
         return [Measured(float(v)) for v in (found.value[0, 1], found.value[0, 2], found.value[0].sum())]
 
     names = ("opposite", "adjacent", "row sum")
-    points = [Point(name, value, EXACT) for name, value in zip(names, known)]
+    points = [Point(name, value, EXACT, name) for name, value in zip(names, known)]
     return _case("cube", "Faces of a cube", points, measure, "By the contour integral.")
 
 

@@ -154,8 +154,8 @@ def _case(result: CaseResult) -> list[Block]:
     case = result.case
     label = case.quantity if case.unit == "1" else f"{case.quantity} [{case.unit}]"
     points = [
-        ChartPoint(row.point, row.value, row.reference, row.deviation, row.relative_half_width, row.tolerance)
-        for row in result.rows
+        ChartPoint(r.point, r.value, r.reference, r.deviation, r.relative_half_width, r.tolerance, known.curve)
+        for r, known in zip(result.rows, case.points)
     ]
     table = Table(HEAD, tuple(map(cells, result.rows)), frozenset(k for k, r in enumerate(result.rows) if not r.passed))
     blocks: list[Block] = [Heading(f"{case.name}: {case.title}", 3, case.name)]

@@ -27,6 +27,8 @@ AT_FACES = 0.001
 CUBE = (4.0, 4.0, 4.0)
 CUBE_LUMENS = 10000.0
 EFFORT = (("gather_samples", 16384), ("rays_per_element", 1024), ("light_points", 128))
+CUBE_EFFORT = (("gather_samples", 8192), ("rays_per_element", 256))
+"""Of the cubes with a point source, whose light is smooth."""
 
 
 def cases() -> list[Case]:
@@ -56,16 +58,16 @@ def _job(known: Mapping[str, Any]) -> Job:
 def _cube(name: str, rho: Mapping[str, float], points: Any, source: tuple[float, float, float]) -> Job:
     """Cube with an isotropic point source."""
     lamp = Light("luminous_flux_lm", CUBE_LUMENS)
-    return Job(scene_text(name, [Room(CUBE), Source(source)], rho, points, lamp=lamp), effort=EFFORT)
+    return Job(scene_text(name, [Room(CUBE), Source(source)], rho, points, lamp=lamp), effort=CUBE_EFFORT)
 
 
 def _room(known: Mapping[str, Any]) -> Case:
     job = _job(known)
     at_points = [
-        Point(f"{point['face']} {point['a']:g} {point['b']:g}", point["E_total"], AT_POINTS)
+        Point(f"{point['face']} {point['a']:g} {point['b']:g}", point["E_total"], AT_POINTS, point["face"])
         for point in known["points"]
     ]
-    means = [Point(f"{face} mean", known["face_means"][face]["total"], AT_FACES) for face in FACES]
+    means = [Point(f"{face} mean", known["face_means"][face]["total"], AT_FACES, f"{face} mean") for face in FACES]
 
     def measure(bench: Bench) -> list[Measured]:
         solution = bench.solve(job)

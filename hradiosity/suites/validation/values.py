@@ -66,11 +66,13 @@ class Point:
     """One number that is known.
 
     tolerance : largest deviation that passes, relative
+    curve : points that follow one another on one curve have the same; drawings join them
     """
 
     name: str
     reference: float
     tolerance: float
+    curve: str = ""
 
 
 @dataclass(frozen=True)
