@@ -108,6 +108,8 @@ def _legend(axis_label: str) -> list[str]:
     right = WIDTH - RIGHT
     return [
         f'<text x="{LEFT:g}" y="15">{escape(axis_label)}</text>',
+        f'<rect x="{right - 290:g}" y="5" width="22" height="12" fill="{BAND}"/>',
+        f'<text x="{right - 263:g}" y="15">passes</text>',
         f'<path d="M{right - 190:g} 11h22" stroke="{REFERENCE}" stroke-width="2"/>',
         f'<text x="{right - 163:g}" y="15">reference</text>',
         _dot(right - 88, 11, OURS),

@@ -30,6 +30,9 @@ MASK_HEIGHT, MASK_DISTANCE = 3.0, 6.0
 BUILDING_WIDTH, CANOPY_WIDTH = 24.0, 8.0
 """Enough to be endless for every point through this opening [m]."""
 EFFORT = (("gather_samples", 1 << 20),)
+LAMP_EFFORT = (*EFFORT, ("light_samples", 1 << 20), ("replicates", 16))
+"""With luminous things outside, of which little is seen. Many replicates keep the sums short, which are of
+single precision."""
 
 Place = tuple[Sequence[float], Sequence[float]]
 
@@ -73,9 +76,8 @@ def _job(
         lamp=lamp if lit else None,
         sky=Light("illuminance_lx", E_HZ) if sky else None,
     )
-    effort = EFFORT + ((("light_samples", 1 << 21),) if lit else ())
     # Everything is black: elements only have to be few, and those of the ground would be many.
-    return Job(text, effort=effort, fixed=(("element_size", ground / 80.0),) if ground else ())
+    return Job(text, effort=LAMP_EFFORT if lit else EFFORT, fixed=(("element_size", ground / 80.0),) if ground else ())
 
 
 def _roof_opening() -> Case:
