@@ -6,12 +6,13 @@ import numpy as np
 import pytest
 
 from hradiosity.io.scene_toml import load_scene
+from hradiosity.options import Options
 from hradiosity.reference.point_factors import points_to_polygon
 from hradiosity.show.charts import ChartPoint, curve_chart, nice_ticks
 from hradiosity.suites.validation import closed_forms, data
 from hradiosity.suites.validation.catalogue import all_cases, all_not_run, chosen
 from hradiosity.suites.validation.running import judge
-from hradiosity.suites.validation.values import Case, Measured, Point
+from hradiosity.suites.validation.values import Case, Job, Measured, Point
 
 CASES = all_cases()
 
@@ -101,6 +102,14 @@ def test_scenes_can_be_loaded(tmp_path):
         scene = load_scene(folder)
         assert len(scene.sensors[0].position) >= 1
         job.options(None), job.options("draft")
+
+
+def test_a_quality_takes_the_place_of_a_case_s_own_effort():
+    job = Job("", effort=(("gather_samples", 7000),), fixed=(("element_size", 0.3),))
+    own, draft = job.options(None), job.options("draft")
+    assert (own.gather_samples, own.element_size) == (7000, 0.3)
+    assert (draft.gather_samples, draft.element_size) == (Options.of_quality("draft").gather_samples, 0.3)
+    assert job.settings("draft") == "quality draft, element_size = 0.3"
 
 
 @pytest.mark.parametrize("inwards", [False, True])
