@@ -44,3 +44,8 @@ def test_lamps_differ_at_the_eye_about_as_they_do_by_themselves(capsys):
 def test_modelling_index_is_that_of_an_office_with_ceiling_lamps(capsys):
     """It is 0 right below a small lamp in a black room, 1 in a uniform field; a white office lies well between."""
     assert 0.2 < last_number("04_custom_reading.py", capsys) < 0.8
+
+
+def test_an_awning_takes_the_sky_over_two_thirds_of_the_pavement(capsys):
+    """It is low: what lies under it loses nearly all of the sky but that over the street, the rest little."""
+    assert 0.3 < last_number("05_sky_view.py", capsys) < 0.8
