@@ -57,7 +57,7 @@ def classic_plan(plan: Plan, sizes: ClassicSizes, calibration: ClassicCalibratio
         plan,
         n_elements=sizes.elements,
         shooters=sizes.shooters,
-        hemicubes=sizes.lamp_points + plan.replicates * once,
+        hemicubes=plan.replicates * once,
         shots=plan.replicates * int(rounds * shooters),
         memory_bytes=_memory(plan, sizes, view),
         seconds=None,

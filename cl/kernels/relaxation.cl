@@ -31,6 +31,11 @@ HR_FORCE_INLINE HR_NUMBER hr_absolute(const HR_NUMBER x)
     return x < 0 ? -x : x;
 }
 
+HR_FORCE_INLINE HR_PACK hr_size(const HR_PACK p)
+{
+    return p < (HR_PACK)(0) ? -p : p;
+}
+
 /* One sweep in the order of the rows: x_i = (d_i + sum over j != i of S_ij rho_j x_j) / (1 - S_ii rho_i), with the
    newest x_j. A work-group a pack of columns, whose first work-item does it. */
 __kernel void gauss_seidel(__global const uint *link_start,       /* (n_rows + 1,)               */
@@ -64,7 +69,8 @@ __kernel void gauss_seidel(__global const uint *link_start,       /* (n_rows + 1
     }
 }
 
-/* Shots, one after the other, of the row with the largest weighted power, all columns at once. With HR_OVERSHOOT a row
+/* Shots, one after the other, of the row with the largest weighted power, all columns at once. What is unshot may be
+   negative, after a start from a guess; the sizes of all columns count then. With HR_OVERSHOOT a row
    sends, in advance, what it will reflect of the ambient light: the power that is still unshot everywhere, after all
    its reflections, spread evenly (Feda & Purgathofer 1992); its unshot power is then negative until it received
    that. One work-item does it. */
@@ -79,7 +85,7 @@ __kernel void shoot_largest(__global const uint *link_start,       /* (n_rows + 
                             __global HR_NUMBER *light,             /* (n_rows, n_packs * HR_LANES) x = d + S shot */
                             __global HR_NUMBER *shot,              /* the same                                    */
                             __global HR_NUMBER *unshot,            /* the same: rho x - shot                      */
-                            __global HR_NUMBER *power,             /* (n_rows,) weighted unshot power             */
+                            __global HR_NUMBER *power,             /* (n_rows,) weighted unshot power, see above  */
                             __global HR_NUMBER *total,             /* (n_packs * HR_LANES,) unshot power of all   */
                             const uint n_rows, const uint n_packs, const uint n_shots, const uint n_items)
 {
@@ -90,7 +96,6 @@ __kernel void shoot_largest(__global const uint *link_start,       /* (n_rows + 
 #if HR_OVERSHOOT
         for (uint g = 0; g < n_packs; ++g)
             everywhere += hr_pack_sum(((hr_packs_in)weight)[g] * ((hr_packs_in)gain)[g] * ((hr_packs_in)total)[g]);
-        everywhere = everywhere > 0 ? everywhere : 0;
 #endif
         uint row = 0;
         HR_NUMBER largest = 0;
@@ -102,7 +107,7 @@ __kernel void shoot_largest(__global const uint *link_start,       /* (n_rows + 
         if (!(largest > 0))
             return;
         const uint end = link_start[row + 1];
-        power[row] = 0;
+        power[row] = -mean_gain[row] * everywhere;
         for (uint g = 0; g < n_packs; ++g) {
             const size_t own = (size_t)row * n_packs + g;
             const HR_PACK w = ((hr_packs_in)weight)[g];
@@ -110,13 +115,11 @@ __kernel void shoot_largest(__global const uint *link_start,       /* (n_rows + 
             HR_PACK sum = ((hr_packs_in)total)[g];
             HR_PACK ahead = (HR_PACK)(0);
 #if HR_OVERSHOOT
-            const HR_PACK ambient = ((hr_packs_in)gain)[g] * sum;
-            ahead = root * ((hr_packs_in)reflectance)[own] * (ambient > 0 ? ambient : (HR_PACK)(0));
+            ahead = root * ((hr_packs_in)reflectance)[own] * ((hr_packs_in)gain)[g] * sum;
 #endif
             const HR_PACK sent = ((hr_packs_in)unshot)[own] + ahead;
             ((hr_packs)shot)[own] += sent;
             ((hr_packs)unshot)[own] = -ahead;
-            power[row] -= root * hr_pack_sum(w * ahead);
             sum -= root * sent;
             for (uint l = link_start[row]; l < end; ++l) {
                 const uint at = link_source[l];
@@ -124,8 +127,14 @@ __kernel void shoot_largest(__global const uint *link_start,       /* (n_rows + 
                 const HR_PACK arriving = link_value[l] * sent;
                 const HR_PACK reflected = ((hr_packs_in)reflectance)[there] * arriving;
                 ((hr_packs)light)[there] += arriving;
-                ((hr_packs)unshot)[there] += reflected;
+                const HR_PACK before = ((hr_packs_in)unshot)[there];
+                const HR_PACK after = before + reflected;
+                ((hr_packs)unshot)[there] = after;
+#if HR_OVERSHOOT
                 power[at] += root_area[at] * hr_pack_sum(w * reflected);
+#else
+                power[at] += root_area[at] * hr_pack_sum(w * (hr_size(after) - hr_size(before)));
+#endif
                 sum += root_area[at] * reflected;
             }
             ((hr_packs)total)[g] = sum;

@@ -151,7 +151,6 @@ class ClassicSurfaces(SurfaceSolver):
         rng = np.random.Generator(np.random.Philox(key=self.options.seed))
         everything = np.ones(len(finest))
         light = self._lamp_light(hemicube, np.arange(len(finest)), finest.area, everything, rng)
-        self.count_hemicubes(hemicube)
         if self._points_alone is not None:
             places = self._points(SPLITS, np.arange(len(finest)), rng)
             light += self._from_points(direct_at_points(self._points_alone, places.position, places.normal, 1, 0))

@@ -52,7 +52,7 @@ class Record:
 
     seconds : wall seconds of each stage
     rays : traced so far
-    hemicubes, hemicube_seconds : drawn so far in the classic mode, and the wall seconds that it took
+    hemicubes, hemicube_seconds : drawn in the replicates of the classic mode so far, and the wall seconds it took
     stage : what is going on, or went on last
     defects, convergence : one a replicate
     """

@@ -69,7 +69,7 @@ def solve_irradiance(
     def step(residual: float, found: Columns) -> None:
         if watch is not None:
             counted = operator.products
-            watch(Progress("cg", counted - before, residual, lambda: irradiance(found)))
+            watch(Progress("cg", counted - before + 1, residual, lambda: irradiance(found)))
             operator.products = counted
 
     solution, residual = _conjugate_gradients(

@@ -11,8 +11,8 @@ from hradiosity.solvers.result import Columns, Solved, Watch
 from hradiosity.solvers.system import System
 
 MOST_SWEEPS: Final = 5000
-PATIENCE: Final = 50
-"""Sweeps without a smaller residual after which the precision is taken to be exhausted."""
+ROUNDING: Final = 4.0
+"""Changes of so many units in the last place are taken for rounding: the precision is exhausted."""
 
 
 def jacobi(
@@ -30,7 +30,8 @@ def jacobi(
     light: Columns = system.direct + system.reflected_once if system.guess is None else system.guess
     while True:
         fresh = system.next_light(light)
-        if _done(system, system.residual(fresh - light, light), max_sweeps):
+        residual = system.residual(fresh - light, light)
+        if residual <= tolerance or len(system.history) > max_sweeps or _only_rounding(light, fresh):
             return system.solved(light)
         light = fresh
 
@@ -51,7 +52,7 @@ def gauss_seidel(
     costs nothing to know; so sweeps go on until that is below the tolerance, and one product proves the end.
     """
     system = System("gauss-seidel", operator, reflectance, direct, tolerance=tolerance, start=start, watch=watch)
-    light = system.direct if system.guess is None else system.guess
+    light: Columns = system.direct + system.reflected_once if system.guess is None else system.guess
     device, lanes = operator.device, 8 if operator.dtype is np.float32 else 4
     on_device = {
         "reflectance": device.upload(system.reflectance, operator.dtype),
@@ -65,7 +66,8 @@ def gauss_seidel(
         sweep(64 * packs, **operator.links, **on_device, n_rows=operator.n_rows, n_packs=packs)
         fresh: Columns = device.fetch(on_device["light"])
         system.shots += 1.0
-        if _done(system, system.residual(fresh - light, fresh), max_sweeps):
+        residual = system.residual(fresh - light, fresh)
+        if residual <= tolerance or len(system.history) > max_sweeps or _only_rounding(light, fresh):
             break
         light = fresh
     system.residual(system.next_light(fresh) - fresh, fresh)
@@ -77,7 +79,5 @@ def kernel_precision(operator: ExchangeOperator, **more: int) -> dict[str, int |
     return {"HR_DOUBLE": int(operator.dtype is np.float64), "HR_OVERSHOOT": 0, **more}
 
 
-def _done(system: System, residual: float, max_sweeps: int) -> bool:
-    history = system.history
-    stalled = min(history[-PATIENCE:]) > min(history)
-    return residual <= system.tolerance or len(history) > max_sweeps or stalled
+def _only_rounding(light: Columns, fresh: Columns) -> bool:
+    return bool((np.abs(fresh - light) <= ROUNDING * np.finfo(light.dtype).eps * np.abs(light)).all())

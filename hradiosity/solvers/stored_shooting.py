@@ -8,16 +8,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device.device import DeviceArray
+from hradiosity.device.kernel import Kernel
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Columns, Solved, Watch
 from hradiosity.solvers.stationary import kernel_precision
 from hradiosity.solvers.system import System
 
 SHOTS_A_LOOK: Final = 16
-"""The residual is looked at after one in so many elements shot."""
-MOST_ROUNDS: Final = 2000
-PATIENCE: Final = 20
-"""Rounds without a smaller residual after which the precision is taken to be exhausted."""
+LATER_LOOKS: Final = 32
+"""The residual is looked at after one in so many elements shot, and later after so large a part of all shots so far."""
+MOST_ROUNDS: Final = 5000
+FRESH_STARTS: Final = 3
+"""Times that the unshot light is computed anew from the light, which rounding in many shots has made differ."""
+FAIR_TRIAL: Final = 6
+STUCK: Final = 0.9
+"""Overshooting ends when so many rounds did not bring the residual below this part of what it was."""
 LARGEST_MEAN: Final = 0.999
 """Mean reflectance beyond which the ambient light is not estimated higher."""
 
@@ -46,29 +51,40 @@ class Shooter:
         unshot = reflectance * light - shot
         root = operator.root_area[:, None]
         self._packs = light.shape[1] // (8 if operator.dtype is np.float32 else 4)
-        gain, mean_gain = self._ambient(weight) if overshoot else (np.zeros_like(weight), np.zeros(self._n))
+        self._weight, self._gain = weight, self._ambient_gain() if overshoot else np.zeros(len(weight))
         arrays = {
             "reflectance": reflectance,
             "root_area": operator.root_area,
             "weight": weight,
-            "gain": gain,
-            "mean_gain": mean_gain,
+            "gain": self._gain,
             "light": light,
             "shot": shot,
             "unshot": unshot,
-            "power": np.einsum("rc,c->r", root * unshot, weight),
             "total": (root * unshot).sum(axis=0, dtype=np.float64),
         }
         self._on_device: dict[str, DeviceArray] = {k: device.upload(v, operator.dtype) for k, v in arrays.items()}
-        self._kernel = device.kernel(
-            "relaxation", "shoot_largest", **kernel_precision(operator, HR_OVERSHOOT=int(overshoot))
-        )
+        self._kernel = self._build(overshoot)
 
     def shoot(self, n_shots: int) -> None:
         """Shoot so many times, or until nothing is left."""
-        operator = self._system.operator
-        self._kernel(1, **operator.links, **self._on_device, n_rows=self._n, n_packs=self._packs, n_shots=n_shots)
-        self._system.shots += n_shots / self._n
+        system, operator = self._system, self._system.operator
+        device, dtype = operator.device, operator.dtype
+        self._kernel(
+            1,
+            **operator.links,
+            **self._on_device,
+            power=device.upload(self._power(), dtype),
+            mean_gain=device.upload(self._expected(), dtype),
+            n_rows=self._n,
+            n_packs=self._packs,
+            n_shots=n_shots,
+        )
+        system.shots += n_shots / self._n
+
+    def stop_overshooting(self) -> None:
+        """Plain shooting from here on."""
+        self._gain = np.zeros_like(self._gain)
+        self._kernel = self._build(False)
 
     @property
     def light(self) -> Columns:
@@ -86,20 +102,36 @@ class Shooter:
         root = np.sqrt(system.reflectance)
         return system.residual(np.divide(unshot, root, out=np.zeros_like(unshot), where=root > 0.0), self.light)
 
+    def _build(self, overshoot: bool) -> Kernel:
+        operator = self._system.operator
+        built = kernel_precision(operator, HR_OVERSHOOT=int(overshoot))
+        return operator.device.kernel("relaxation", "shoot_largest", **built)
+
     def _fetch(self, name: str) -> Columns:
         fetched: Columns = self._system.operator.device.fetch(self._on_device[name])
         return fetched
 
-    def _ambient(self, weight: NDArray[np.floating]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """1 / ((1 − ρ̄) Σ A) of each column, and A_i ρ_i of each row for the choice, ρ_i weighted over the columns."""
+    def _power(self) -> NDArray[np.float64]:
+        """Weighted unshot power of each row; that in advance is told apart by its sign."""
+        unshot = self._system.operator.root_area[:, None] * self.unshot
+        power: NDArray[np.float64] = np.einsum("rc,c->r", unshot if self._gain.any() else np.abs(unshot), self._weight)
+        return power
+
+    def _ambient_gain(self) -> NDArray[np.float64]:
+        """1 / ((1 − ρ̄) Σ A) of each column: the ambient light by unshot power."""
         area = self._system.operator.root_area.astype(np.float64) ** 2
-        reflectance = self._system.reflectance
-        total = float(area.sum())
-        mean = np.einsum("r,rc->c", area, reflectance) / total if total > 0.0 else np.zeros(len(weight))
-        share = weight / max(float(weight.sum()), float(np.finfo(np.float32).tiny))
-        return 1.0 / ((1.0 - np.minimum(mean, LARGEST_MEAN)) * max(total, 1e-300)), area * np.einsum(
-            "rc,c->r", reflectance, share
-        )
+        total = max(float(area.sum()), float(np.finfo(np.float64).tiny))
+        mean = np.einsum("r,rc->c", area, self._system.reflectance) / total
+        gain: NDArray[np.float64] = 1.0 / ((1.0 - np.minimum(mean, LARGEST_MEAN)) * total)
+        return gain
+
+    def _expected(self) -> NDArray[np.float64]:
+        """Weighted power that each row would send in advance, by the weighted ambient light of all columns."""
+        area = self._system.operator.root_area.astype(np.float64) ** 2
+        ambient = self._weight * self._gain * np.abs(self._fetch("total"))
+        share = ambient / max(float(ambient.sum()), float(np.finfo(np.float64).tiny))
+        power: NDArray[np.float64] = area * np.einsum("rc,c->r", self._system.reflectance, share)
+        return power
 
 
 def southwell(
@@ -129,14 +161,27 @@ def southwell(
     name = "overshooting" if overshoot else "southwell"
     system = System(name, operator, reflectance, direct, tolerance=tolerance, start=start, watch=watch)
     columns = np.ones(direct.shape[1]) if weight is None else np.asarray(weight, np.float64)
-    shooter = Shooter(system, columns, overshoot=overshoot)
-    a_look = max(1, operator.n_rows // SHOTS_A_LOOK)
-    while shooter.residual() > tolerance and system.shots < max_rounds and not _stalled(system.history):
-        shooter.shoot(a_look)
-    light = shooter.light
-    system.residual(system.next_light(light) - light, light)
+    for _ in range(FRESH_STARTS):
+        shooter = Shooter(system, columns, overshoot=overshoot)
+        light = _shoot_all(shooter, system, max_rounds, overshoot=overshoot)
+        done = system.residual(system.next_light(light) - light, light) <= tolerance
+        if done or system.shots >= max_rounds:
+            break
+        system.guess = light
     return system.solved(light)
 
 
-def _stalled(history: list[float]) -> bool:
-    return min(history[-PATIENCE * SHOTS_A_LOOK :]) > min(history)
+def _shoot_all(shooter: Shooter, system: System, max_rounds: float, *, overshoot: bool) -> Columns:
+    """Shoot until little is left by the shooter's own account."""
+    n, first = system.operator.n_rows, len(system.history)
+    while shooter.residual() > system.tolerance and system.shots < max_rounds:
+        if overshoot and _stuck(system.history[first:]):
+            shooter.stop_overshooting()
+        shooter.shoot(max(1, n // SHOTS_A_LOOK, int(system.shots * n) // LATER_LOOKS))
+    return shooter.light
+
+
+def _stuck(history: list[float]) -> bool:
+    """Whether overshooting brought nothing lately: it need not converge where the ambient light is no good guess."""
+    before = history[: -FAIR_TRIAL * SHOTS_A_LOOK]
+    return bool(before) and min(history[-FAIR_TRIAL * SHOTS_A_LOOK :]) > STUCK * min(before)

@@ -32,6 +32,7 @@ class System:
     Attributes
     ----------
     direct, reflected_once : (n_rows, 8 n_groups), d and S ρ d
+    guess : (n_rows, 8 n_groups), x to start from; None for d
     history : residuals so far
     shots : products that were not made as such: shots or sweeps, over what counts as one
     """
@@ -49,18 +50,21 @@ class System:
     ) -> None:
         self._cpu, self._before = time.process_time(), operator.products
         self.solver, self.operator, self.tolerance = solver, operator, tolerance
-        self.reflectance = reflectance.astype(operator.dtype)
         area = operator.root_area[:, None]
         unscaled = area * direct.astype(operator.dtype)
         sets = Sets(operator.component)
         self._brightness = sets.largest(unscaled)
+        # What nothing shines on stays dark whatever it reflects.
+        self.reflectance = np.where(self._brightness > 0.0, reflectance, 0.0).astype(operator.dtype)
         per_set = np.divide(1.0, self._brightness, out=np.ones_like(self._brightness), where=self._brightness > 0.0)
         self.direct = unscaled * per_set
         self.reflected_once = operator.apply(self.reflectance * self.direct)
         self._root = np.sqrt(self.reflectance)
         self._measure = Measure(sets, self._root * self.reflected_once, self._root * self.direct, operator.root_area**2)
         self._given, self._watch = direct, watch
-        self.guess = None if start is None else self.direct + area * start.astype(operator.dtype) * per_set
+        self.guess: Columns | None = (
+            None if start is None else self.direct + area * start.astype(operator.dtype) * per_set
+        )
         self.history: list[float] = []
         self.shots = 0.0
 

@@ -37,7 +37,7 @@ def test_hemicubes_and_shots_are_foreseen(finished):
     assert plan.hemicubes == pytest.approx(record["hemicubes"]["drawn"], rel=0.05)
     shots = plan.shooters * sum(solved["products"] for solved in record["solver"])
     assert shots / 1.5 < plan.shots < 1.5 * shots
-    assert "hemicubes" in "\n".join(plan.lines()) and "rays" not in "\n".join(plan.lines())
+    assert "hemicubes and" in "\n".join(plan.lines()) and "million rays" not in "\n".join(plan.lines())
 
 
 def test_measured_speeds_give_back_the_seconds_that_they_were_measured_from(finished, device):
