@@ -28,9 +28,16 @@ def test_the_scene_can_be_loaded(tmp_path):
     assert scene.patches.normal[lamp][2] == pytest.approx(-1.0)
 
 
-def test_the_program_is_python():
-    (text,) = blocks("python")
-    compile(text, "README.md", "exec")
+def test_programs_are_python():
+    for text in blocks("python"):
+        compile(text, "README.md", "exec")
+
+
+def test_form_factors_of_the_readme(capsys):
+    """The last line prints what its remark says."""
+    (text,) = [block for block in blocks("python") if "form_factor" in block]
+    exec(compile(f"import hradiosity\n{text}", "README.md", "exec"))
+    assert float(capsys.readouterr().out.splitlines()[-1]) == pytest.approx(0.1945, abs=2e-4)
 
 
 def test_both_commands_are_single_lines_and_ci_finds_the_second():
