@@ -221,20 +221,22 @@ def main() -> None:
     parser.add_argument("--out", type=Path, help="folder for solvers.md, solvers.csv and solvers.png")
     options = parser.parse_args()
     device = Device()
+    text = ""
+
+    def say(*lines: str) -> None:
+        nonlocal text
+        text += "\n".join(("", *lines)) if text else "\n".join(lines)
+        print(*lines, sep="\n", flush=True)
+
+    say(device.description + "\n")
     histories = [follow(device, case, solver) for case in cases(device) for solver in ITERATIVE]
+    say("Products to an error of 1e-3 / 1e-6:\n", products_table(histories))
     small, large = furnished(device), furnished(device, 0.24)
-    parts = [
-        device.description + "\n",
-        "Products to an error of 1e-3 / 1e-6:\n",
-        products_table(histories),
-        f"CPU seconds and products, {COLUMNS} columns to a residual of 1e-3:\n",
-        _seconds_table(device, small, (*ITERATIVE, *DIRECT_SOLVERS)),
-        _seconds_table(device, large, ITERATIVE),
-        "Inversion by blocks: backward error, and difference from elimination over the largest light:\n",
-        _inversion_table(device, small),
-    ]
-    text = "\n".join(parts)
-    print(text)
+    say("Inversion by blocks: backward error, and difference from elimination over the largest light:\n")
+    say(_inversion_table(device, small))
+    say(f"CPU seconds and products, {COLUMNS} columns to a residual of 1e-3:\n")
+    say(_seconds_table(device, small, (*ITERATIVE, *DIRECT_SOLVERS)))
+    say(_seconds_table(device, large, ITERATIVE))
     if options.out:
         options.out.mkdir(parents=True, exist_ok=True)
         (options.out / "solvers.md").write_text(text, encoding="utf-8")
