@@ -43,6 +43,7 @@ class Options:
     accuracy : wanted half width of the 95 % interval over the value; more replicates are added until it is reached
     time : wall seconds after which no further replicate starts
     occlusion, interreflection : force an effect on or off
+    glow : leave all lamps with an area to the rays that meet them, without shadow rays, or none
     pictures : pictures or maps will be drawn, which calls for shadow refinement
     tolerance : of the linear solver, residual over right-hand side
     solver : ``--solver`` of the command line; the classic mode always shoots
@@ -66,6 +67,7 @@ class Options:
     time: float | None = None
     occlusion: bool | None = None
     interreflection: bool | None = None
+    glow: bool | None = None
     pictures: bool = False
     tolerance: float = 1e-3
     solver: SolverName = "cg"

@@ -131,7 +131,8 @@ class Plan:
 
     effects : those that were weighed
     columns : right-hand sides
-    n_bands, n_patches, n_emitters, n_readings : sizes of the scene
+    n_bands, n_patches, n_emitters, n_readings : sizes of the scene; of the emitters, those that get shadow rays
+    weak_emitters : (n,) bool, emitters of the scene that are left to the rays that meet them
     element_size : edge of a row element [m]
     n_elements : number of row elements
     elements_asked : number of them that was asked for; 0 if their edge was
@@ -152,6 +153,7 @@ class Plan:
     n_bands: int
     n_patches: int
     n_emitters: int
+    weak_emitters: NDArray[np.bool_]
     n_readings: int
     element_size: float
     n_elements: int
@@ -172,6 +174,11 @@ class Plan:
     shots: int = 0
     sight: tuple[SightShare, ...] = ()
 
+    @property
+    def gathers(self) -> bool:
+        """Whether light comes from surfaces that rays meet."""
+        return self.interreflection or bool(self.weak_emitters.any())
+
     def lines(self) -> list[str]:
         """The plan in words, a line each."""
         width = max((len(effect.name) for effect in self.effects), default=0)
@@ -179,7 +186,7 @@ class Plan:
         out += [f"lamp '{s.lamp}' in space {s.space}: free everywhere" for s in self.sight if s.is_whole]
         out += [
             f"{self.n_patches} patches in {self.n_elements} elements of about {self.element_size:.3g} m; "
-            f"emitters: {self.n_emitters}, readings: {self.n_readings}, bands: {self.n_bands}",
+            f"emitters with shadow rays: {self.n_emitters}, readings: {self.n_readings}, bands: {self.n_bands}",
             f"about {self._effort()}, in {self.replicates} replicates; {self.memory_bytes / 2**20:.0f} MiB",
             f"solver: {self.solver or 'none, since nothing reflects'}",
         ]

@@ -16,6 +16,7 @@ from hradiosity.space.convexity import is_convex
 from hradiosity.space.hierarchy import Elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.space.shafts import FREE, HIDDEN, UNKNOWN
+from hradiosity.transport.glow import weak_emitters
 
 LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
 """Bounds of a row element's edge, as shares of the mean free path of light."""
@@ -95,6 +96,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
     columns = spectral_columns(scene)
     occlusion = _occlusion(scene, options)
     interreflection = _interreflection(scene, options)
+    glow, weak = _glow(scene, options, lit)
     area = float(np.einsum("p,ps->", scene.patches.area, lit.lit)) if len(scene.patches) else 0.0
     size, size_bound = _element_size(area, options, lit.free_path)
     n_elements = _elements_of(area, size) + int(lit.lit.sum())
@@ -104,6 +106,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
         effects=(
             occlusion,
             interreflection,
+            glow,
             _openness(lit),
             _backs(scene, lit),
             _bands(scene, columns),
@@ -112,7 +115,8 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
         columns=columns,
         n_bands=len(scene.bands),
         n_patches=len(scene.patches),
-        n_emitters=len(scene.emitters),
+        n_emitters=int(np.count_nonzero(~weak)),
+        weak_emitters=weak,
         n_readings=n_readings,
         element_size=size,
         n_elements=n_elements,
@@ -266,6 +270,20 @@ def _interreflection(scene: Scene, options: Options) -> Effect:
     if len(used) == 0 or float(scene.reflectance[used].max(initial=0.0)) == 0.0:
         return Effect("interreflection", False, "nothing reflects")
     return Effect("interreflection", True, "surfaces reflect")
+
+
+def _glow(scene: Scene, options: Options, lit: LitSides) -> tuple[Effect, NDArray[np.bool_]]:
+    """Whether emitters are left to the rays that meet them, and which."""
+    n = len(scene.emitters)
+    if options.mode == "classic" or not n:
+        return Effect("glow", False, "no lamp is left to the rays that meet it"), np.zeros(n, bool)
+    if options.glow is not None:
+        return Effect("glow", options.glow, "as asked for"), (scene.emitters.patch != NONE) & options.glow
+    weak = weak_emitters(scene, lit)
+    found = int(np.count_nonzero(weak))
+    if not found:
+        return Effect("glow", False, "every lamp stands out and gets shadow rays"), weak
+    return Effect("glow", True, f"{found} of {n} lamps are weak or even enough for the rays that meet them"), weak
 
 
 def _openness(lit: LitSides) -> Effect:

@@ -4,15 +4,17 @@
 #include "include/hr_types.h"
 
 /* Reflected part of each reading: mean over its paths of rho1 (D1 + rho2 (D2 + ... rho E)), with the light D at each
-   hit that was lit explicitly and the solution at the last one. The sky shines where a path leaves. */
+   hit that was lit explicitly and the solution at the last one. The sky shines where a path leaves. With HR_GLOW, paints
+   that shine add their own exitance at each hit; at the last, `reflected` holds it. */
 __kernel void sum_paths(__global const uint *path_start,     /* (n_points + 1,) into the paths                 */
-                        __global const uint *path_material,  /* (n_paths, HR_LIT_HITS)                         */
+                        __global const uint *path_paint,     /* (n_paths, HR_LIT_HITS)                         */
                         __global const uint *path_emitter,   /* (n_paths, HR_LIT_HITS)                         */
                         __global const float *path_gain,     /* (n_paths, HR_LIT_HITS)                         */
                         __global const uint *path_row,       /* (n_paths,)                                     */
-                        __global const float *reflectance,   /* (n_materials, 8 n_groups) [1]                  */
+                        __global const float *reflectance,   /* (n_paints, 8 n_groups) [1]                     */
+                        __global const float *glow,          /* (n_paints, 8 n_groups) [W m^-2], with HR_GLOW  */
                         __global const float *emission,      /* (n_emitters, 8 n_groups) [W m^-2] or [W sr^-1] */
-                        __global const float *reflected,     /* (n_rows, 8 n_groups) rho E [W m^-2]            */
+                        __global const float *reflected,     /* (n_rows, 8 n_groups) leaving [W m^-2]          */
                         __global const float *sky,           /* (8 n_groups,) pi L [W m^-2]                    */
                         __global const float *weight,        /* (8 n_groups,) of a path's brightness           */
                         __global float *irradiance,          /* (n_points, 8 n_groups) [W m^-2]                */
@@ -32,7 +34,7 @@ __kernel void sum_paths(__global const uint *path_start,     /* (n_points + 1,) 
         const size_t first = (size_t)i * HR_LIT_HITS;
         const uint row = path_row[i];
         uint lit = 0;
-        for (; lit < HR_LIT_HITS && path_material[first + lit] != HR_NONE; ++lit)
+        for (; lit < HR_LIT_HITS && path_paint[first + lit] != HR_NONE; ++lit)
             ;
         hr_groups_in last = (hr_groups_in)(HR_IS_ROW(row) ? reflected + (size_t)row * HR_GROUPS * 8 : sky);
         const float shines = HR_IS_ROW(row) || row == HR_SKY ? 1.0f : 0.0f;
@@ -43,11 +45,17 @@ __kernel void sum_paths(__global const uint *path_start,     /* (n_points + 1,) 
         for (uint back = lit; back > 0; --back) {
             const size_t at = first + back - 1;
             hr_groups_in lamp = (hr_groups_in)emission + (size_t)path_emitter[at] * HR_GROUPS;
-            hr_groups_in paint = (hr_groups_in)reflectance + (size_t)path_material[at] * HR_GROUPS;
+            hr_groups_in paint = (hr_groups_in)reflectance + (size_t)path_paint[at] * HR_GROUPS;
             const float gain = path_gain[at];
 #pragma unroll
             for (uint g = 0; g < HR_GROUPS; ++g)
                 arriving[g] = paint[g] * (gain * lamp[g] + arriving[g]);
+#if HR_GLOW
+            hr_groups_in own = (hr_groups_in)glow + (size_t)path_paint[at] * HR_GROUPS;
+#pragma unroll
+            for (uint g = 0; g < HR_GROUPS; ++g)
+                arriving[g] += own[g];
+#endif
         }
         float8 bright = (float8)(0.0f);
 #pragma unroll

@@ -114,13 +114,13 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
                           __global const float *position,       /* (n_points, 3) [m]                             */
                           __global const float *normal,         /* (n_points, 3) unit                            */
                           __global const uint *patch_solid,     /* (n_patches,) 1: matter behind it              */
-                          __global const uint *side_material,   /* (n_patches, 2)                                */
-                          __global const float *row_size,       /* (n_rows,) edge of each element [m]            */
+                          __global const uint *side_paint,      /* (n_patches, 2)                                */
+                          __global const float *row_size,       /* (n_rows,) edge of each element [m], or INFINITY */
                           __global const float *emitter_choice, /* (n_rows, n_emitters) summed probabilities     */
                           __global const float *row_direct,     /* (n_rows, n_emitters) of each element          */
                           __global const uchar *row_sight,      /* (n_rows, n_emitters) HR_SIGHT_…               */
                           __global const uint *path_number,     /* (n_paths,) n_samples point + sample           */
-                          __global uint *path_material,         /* (n_paths, HR_LIT_HITS) at the lit hits, or NONE */
+                          __global uint *path_paint,            /* (n_paths, HR_LIT_HITS) at the lit hits, or NONE */
                           __global uint *path_emitter,          /* (n_paths, HR_LIT_HITS) drawn there            */
                           __global float *path_gain,            /* (n_paths, HR_LIT_HITS) of that emitter        */
                           __global uint *path_row,              /* (n_paths,) row, or an outcome                 */
@@ -155,7 +155,7 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         n = hr_side_normal(hit.patch, hit.side, patch_normal);
         hr_explicit light = hr_light_hit(y, n, hit.patch, row, numbers, emitter_choice, row_direct, row_sight,
                                          n_emitters, occlusion, scale, HR_EMITTER, HR_PATCH, HR_BVH);
-        path_material[first + lit] = side_material[2 * hit.patch + hit.side];
+        path_paint[first + lit] = side_paint[2 * hit.patch + hit.side];
         path_emitter[first + lit] = light.emitter;
         d = hr_cosine_direction(n, next.x, next.y);
         hit = hr_closest_hit(HR_BVH, hr_offset_origin(y, n, scale), d, INFINITY, hit.patch);
@@ -170,6 +170,6 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     if (row == HR_LONG)
         lit = 0;
     for (; lit < HR_LIT_HITS; ++lit)
-        path_material[first + lit] = HR_NONE;
+        path_paint[first + lit] = HR_NONE;
     path_row[i] = row;
 }

@@ -57,6 +57,8 @@ class Settings:
         Whether surfaces cast shadows.
     interreflection
         Whether reflected light is computed.
+    glow
+        Whether lamps are left to the rays that meet them, without shadow rays; auto: where they are weak or even.
     mode
         How light is exchanged: rays, or classic for hemicubes, shooting and adaptive subdivision.
     solver
@@ -83,6 +85,7 @@ class Settings:
     lookup: Annotated[int | None, Parameter(group=EFFORT)] = None
     occlusion: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     interreflection: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
+    glow: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     mode: Annotated[Mode, Parameter(group=EFFECTS)] = Options.mode
     solver: Annotated[SolverName, Parameter(group=EFFECTS)] = Options.solver
     blocks: Annotated[int, Parameter(group=EFFECTS)] = Options.blocks
@@ -106,6 +109,7 @@ class Settings:
                 time=self.time,
                 occlusion=self.occlusion.forced,
                 interreflection=self.interreflection.forced,
+                glow=self.glow.forced,
                 seed=self.seed,
                 mode=self.mode,
                 solver=self.solver,

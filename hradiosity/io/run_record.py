@@ -52,12 +52,13 @@ def run_record(solution: Solution, state: str, more: Mapping[str, Any]) -> dict[
 
 def plan_record(plan: Plan) -> dict[str, Any]:
     """A plan without its arrays."""
-    names = [name for name in plan.__dataclass_fields__ if name not in ("columns", "effects", "sight")]
+    names = [name for name in plan.__dataclass_fields__ if name not in ("columns", "effects", "sight", "weak_emitters")]
     return {
         "effects": [asdict(effect) for effect in plan.effects],
         "sight": [asdict(share) for share in plan.sight],
         "right_hand_sides": plan.columns.n_columns,
         "classes_of_bands": plan.columns.n_classes,
+        "emitters_without_shadow_rays": int(plan.weak_emitters.sum()),
         **{name: getattr(plan, name) for name in names},
     }
 

@@ -223,7 +223,7 @@ class RadiositySolver:
 
         The patches are looked at as they were before they were cut, with the light that reaches their pieces.
         """
-        cpu = time.process_time()
+        cpu = self.device.work_cpu_seconds()
         with self.record.timed("check"):
             if self.scene is not modelled:
                 bvh, lit = build_bvh(self.device, modelled.patches), lit.of_parents(parent)
@@ -231,7 +231,7 @@ class RadiositySolver:
             findings = check_scene(modelled, bvh, lit, seed=self.options.seed) if has_surfaces else ()
             raise_faults(findings, modelled)
             self.notes = (*self.scene.notes, *(finding.as_note() for finding in findings))
-        return cpu - time.process_time()
+        return cpu - self.device.work_cpu_seconds()
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
@@ -242,7 +242,7 @@ class RadiositySolver:
                 self._effort = self._plan_effort(self._readings, surfaces.on_device_elements, light, seed)
             self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
         plan = self.plan
-        per_reading = len(self.scene.emitters) * plan.light_samples + 3 * plan.gather_samples
+        per_reading = plan.n_emitters * plan.light_samples + 3 * plan.gather_samples
         self.record.rays += len(self._readings.position) * per_reading
         size = light.reflected.nbytes + light.emitter_choice.nbytes
         if len(self._kept) < 2 or (len(self._kept) + 1) * size <= KEPT_BYTES:
@@ -258,7 +258,7 @@ class RadiositySolver:
             moments.position,
             moments.normal,
             light_samples=plan.light_samples,
-            gather_samples=plan.gather_samples if plan.interreflection or self.scene.sky is not None else 0,
+            gather_samples=plan.gather_samples if plan.gathers or self.scene.sky is not None else 0,
             seed=seed ^ 0x3C6EF372,
         )
 

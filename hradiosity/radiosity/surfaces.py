@@ -35,6 +35,7 @@ from hradiosity.space.shafts import UNKNOWN, EmitterShapes, point_sight, row_sig
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import Defects, Exchange, RowHits, build_exchange, trace_rows
+from hradiosity.transport.glow import glow_of, sampled_scene
 
 RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
@@ -99,13 +100,17 @@ class SurfaceSolver:
     ) -> None:
         self.device, self.scene, self.plan, self.options, self.record = device, scene, plan, options, record
         self._bvh = bvh
+        self.sampled = sampled_scene(scene, plan.weak_emitters)
         self.on_device: DeviceScene = upload_scene(
-            device, scene, bvh, occlusion=plan.occlusion, shafts=self.uses_shafts and options.occlusion is None
+            device, self.sampled, bvh, occlusion=plan.occlusion, shafts=self.uses_shafts and options.occlusion is None
         )
         columns = plan.columns
-        self.emission = columns.padded(columns.emission[scene.emitters.luminaire])
+        self.emission = columns.padded(columns.emission[self.sampled.emitters.luminaire])
         self._reflectance = columns.padded(columns.reflectance * plan.interreflection)
-        self._reflectance_on_device = device.upload(self._reflectance)
+        self._glow = glow_of(scene, columns, plan.weak_emitters)
+        self._reflectance_on_device = device.upload(self._reflectance[self._glow.material])
+        self._exitance = columns.padded(self._glow.exitance)
+        self._glow_on_device = device.upload(self._exitance) if self._glow.shines else None
         self._emission_on_device = device.upload(self.emission)
         luminous = np.einsum("cb,b->c", columns.expansion, luminous_weights(scene.bands))
         equal = columns.expansion.sum(axis=1)
@@ -119,11 +124,12 @@ class SurfaceSolver:
     def _cut(self, lit: LitSides) -> None:
         """Cut the lit sides into row elements; forget what was known about others."""
         self.elements: Elements = self._divide(lit)
-        self.on_device_elements = upload_elements(self.device, self.elements)
+        self.on_device_elements = upload_elements(self.device, self.elements, self._glow.paint)
         self.sight = self._prove(lit)
         n_rows = len(self.elements)
         first = self.elements.row_cell[self.elements.row_start[:-1]]
         self.space: NDArray[np.int32] = lit.space.ravel()[self.elements.cell_side[first]]
+        self._row_glow = self._exitance[self._glow.paint.ravel()[self.elements.cell_side[first]]]
         self._links = np.zeros((0, 2), np.int64)
         shape = (n_rows, 8 * self.plan.columns.n_groups)
         self._indirect = RunningMoments(shape)
@@ -135,16 +141,16 @@ class SurfaceSolver:
     def _prove(self, lit: LitSides) -> NDArray[np.uint8] | None:
         """What shafts prove about rows and emitters; None where it was decided without them, or there are none."""
         decided = not self.on_device.shafts or not self.plan.occlusion
-        if decided or not len(self.elements) or not len(self.scene.emitters):
+        if decided or not len(self.elements) or not self.plan.n_emitters:
             return None
-        sight = row_sight(self._bvh, self.scene.patches, self.elements, EmitterShapes.of(self.scene), lit)
+        sight = row_sight(self._bvh, self.scene.patches, self.elements, EmitterShapes.of(self.sampled), lit)
         self.on_device_elements = self.on_device_elements.with_sight(self.device, sight)
         return sight
 
     def _divide(self, lit: LitSides) -> Elements:
         """The row elements of the lit sides."""
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
-        return build_elements(self.scene.patches, lit.space, two_sided, self.plan.element_size)
+        return build_elements(self.scene.patches, lit.space, two_sided, self.plan.element_size, paint=self._glow.paint)
 
     def replicate(self, seed: int) -> SurfaceLight:
         """One independent estimate, as paths look it up."""
@@ -164,9 +170,13 @@ class SurfaceSolver:
         return SurfaceLight(
             columns=self.plan.columns,
             reflectance=self._reflectance_on_device,
+            glow=self._glow_on_device,
             emission=self.emission,
             emission_on_device=self._emission_on_device,
-            reflected=self.device.upload(reflectance * irradiance),
+            reflected=self.device.upload(reflectance * irradiance + self._row_glow),
+            row_size=self.device.upload(
+                np.where(exchange.element_area > 0.0, np.sqrt(self.elements.area), np.inf), np.float32
+            ),
             sky=self._sky_on_device,
             emitter_choice=self.device.upload(emitter_choice(per_emitter, self.emission)),
             row_direct=self.device.upload(per_emitter),
@@ -187,13 +197,13 @@ class SurfaceSolver:
         plan = sized(self.plan, len(self.elements), known)
         if self.sight is None:
             return plan
-        shares = sight_shares(self.scene, self.elements, self.space, self.sight)
+        shares = sight_shares(self.sampled, self.elements, self.space, self.sight)
         readings = not (self.sight == UNKNOWN).any() and self._readings_proved()
         return with_sight(plan, self.sight, shares, readings_proved=readings, calibration=known)
 
     def _readings_proved(self) -> bool:
         """Whether shafts prove that nothing stands between any reading and any emitter."""
-        shapes = EmitterShapes.of(self.scene)
+        shapes = EmitterShapes.of(self.sampled)
         return all(
             bool((point_sight(self._bvh, shapes, s.position, s.normal) != UNKNOWN).all()) for s in self.scene.sensors
         )
@@ -256,17 +266,22 @@ class SurfaceSolver:
         self, exchange: Exchange, reflectance: NDArray[np.float32], direct: NDArray[np.float32]
     ) -> NDArray[np.float32]:
         """Irradiance of the row elements; keeps the running means."""
-        if self.plan.interreflection and len(self.elements):
+        irradiance = direct
+        if self.plan.gathers and len(self.elements):
             operator = ExchangeOperator(self.device, exchange)
-            mean_reflectance = np.einsum("r,rc->c", exchange.element_area, reflectance) / exchange.element_area.sum()
-            if self._deflation is None:
-                bright = float(mean_reflectance.max(initial=0.0)) > DEFLATE_ABOVE
-                self._deflation = (
-                    deflation_vectors(operator, self.space) if bright else np.zeros((len(self.elements), 0))
+            glow = self._light_of_glow(operator)
+            irradiance = direct + glow
+            if self.plan.interreflection:
+                mean_reflectance = (
+                    np.einsum("r,rc->c", exchange.element_area, reflectance) / exchange.element_area.sum()
                 )
-            irradiance = self._iterate(operator, reflectance, direct)
-        else:
-            irradiance = direct
+                if self._deflation is None:
+                    bright = float(mean_reflectance.max(initial=0.0)) > DEFLATE_ABOVE
+                    self._deflation = (
+                        deflation_vectors(operator, self.space) if bright else np.zeros((len(self.elements), 0))
+                    )
+                start = self._indirect.mean.astype(np.float32) - glow if self._indirect.count else None
+                irradiance = self._iterate(operator, reflectance, irradiance, start)
         self._indirect.add(irradiance - direct)
         self._direct.add(direct)
         self._exposed.add(
@@ -279,11 +294,22 @@ class SurfaceSolver:
         )
         return irradiance
 
+    def _light_of_glow(self, operator: ExchangeOperator) -> NDArray[np.float32]:
+        """(n_rows, 8 n_groups) irradiance straight from the emitters that have no shadow rays."""
+        if not self._glow.shines:
+            return np.zeros_like(self._row_glow)
+        root = operator.root_area[:, None]
+        light = operator.inverse_root_area[:, None] * operator.apply(root * self._row_glow)
+        return light.astype(np.float32)
+
     def _iterate(
-        self, operator: ExchangeOperator, reflectance: NDArray[np.float32], direct: NDArray[np.float32]
+        self,
+        operator: ExchangeOperator,
+        reflectance: NDArray[np.float32],
+        direct: NDArray[np.float32],
+        start: NDArray[np.float32] | None,
     ) -> NDArray[np.float32]:
         """Irradiance by the solver of choice, on a basis of columns where that is good enough."""
-        start = self._indirect.mean.astype(np.float32) if self._indirect.count else None
         tolerance = self.options.tolerance
         if self._basis is not None:
             irradiance, convergence = solve_by_basis(

@@ -26,7 +26,7 @@ LIT_HITS, MOST_LIT_HITS = 2, 32
 class PathSamples:
     """What the paths of a batch of readings met; band-free, so another lamp or paint needs no new ray.
 
-    material, emitter : (n_paths, lit_hits) uint32 on the device: material at each hit that is lit explicitly
+    paint, emitter : (n_paths, lit_hits) uint32 on the device: paint at each hit that is lit explicitly
         (0xFFFFFFFF for none), emitter drawn there
     gain : (n_paths, lit_hits) float32 on the device: irradiance at that hit for unit emission of that emitter,
         over the probability that it was drawn
@@ -35,7 +35,7 @@ class PathSamples:
     n_samples : paths that each point's mean is over
     """
 
-    material: DeviceArray
+    paint: DeviceArray
     emitter: DeviceArray
     gain: DeviceArray
     row: DeviceArray
@@ -73,18 +73,19 @@ class Points:
 def upload_points(scene: DeviceScene, position: NDArray[np.float64], normal: NDArray[np.float64]) -> Points:
     """Points of the world frame [m] with unit normals."""
     device = scene.device
-    return Points(
-        device.upload(scene.bvh.to_local(position)), device.upload(normal, np.float32), len(position)
-    )
+    return Points(device.upload(scene.bvh.to_local(position)), device.upload(normal, np.float32), len(position))
 
 
 @dataclass(frozen=True)
 class SurfaceLight:
     """The solution as paths look it up.
 
-    reflectance : (n_materials + 1, 8 n_groups) float32 on the device
+    reflectance : (n_paints, 8 n_groups) float32 on the device, see `hradiosity.transport.glow.Glow`
+    glow : (n_paints, 8 n_groups) float32 on the device, exitance of paints that shine; None if none does
     emission : (n_emitters, 8 n_groups) float32, exitance or intensity of each emitter; and the same on the device
-    reflected : (n_rows, 8 n_groups) float32 on the device, ρE of each row element
+    reflected : (n_rows, 8 n_groups) float32 on the device, ρE of each row element, and its glow
+    row_size : (n_rows,) float32 on the device, edge of each element [m]; infinite for those that were found wholly
+        covered and thus have no light to look up
     sky : (8 n_groups,) float32 on the device, π · radiance
     emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
     row_direct : (n_rows, n_emitters) float32 on the device, direct light of each element for unit emission
@@ -93,9 +94,11 @@ class SurfaceLight:
 
     columns: SpectralColumns
     reflectance: DeviceArray
+    glow: DeviceArray | None
     emission: NDArray[np.float32]
     emission_on_device: DeviceArray
     reflected: DeviceArray
+    row_size: DeviceArray
     sky: DeviceArray
     emitter_choice: DeviceArray
     row_direct: DeviceArray
@@ -148,7 +151,7 @@ def trace_paths(
     device = scene.device
     number = np.arange(points.n * n_samples, dtype=np.uint32) if only is None else only.astype(np.uint32)
     lit_hits = LIT_HITS if only is None else MOST_LIT_HITS
-    material, emitter = (device.empty((len(number), lit_hits), np.uint32) for _ in range(2))
+    paint, emitter = (device.empty((len(number), lit_hits), np.uint32) for _ in range(2))
     gain = device.empty((len(number), lit_hits), np.float32)
     row = device.empty((len(number),), np.uint32)
     device.kernel("paths", "trace_paths", HR_LIT_HITS=lit_hits)(
@@ -159,13 +162,13 @@ def trace_paths(
         position=points.position,
         normal=points.normal,
         patch_solid=scene.solid,
-        side_material=elements.side_material,
-        row_size=elements.row_size,
+        side_paint=elements.side_paint,
+        row_size=light.row_size,
         emitter_choice=light.emitter_choice,
         row_direct=light.row_direct,
         row_sight=elements.sight(scene),
         path_number=device.upload(number),
-        path_material=material,
+        path_paint=paint,
         path_emitter=emitter,
         path_gain=gain,
         path_row=row,
@@ -179,7 +182,7 @@ def trace_paths(
         scale=scene.scale,
     )
     start = np.searchsorted(number, np.arange(points.n + 1, dtype=np.int64) * n_samples).astype(np.uint32)
-    return PathSamples(material, emitter, gain, row, start, lit_hits, n_samples)
+    return PathSamples(paint, emitter, gain, row, start, lit_hits, n_samples)
 
 
 def reflected_light(
@@ -197,14 +200,17 @@ def reflected_light(
     groups = light.columns.n_groups
     irradiance = device.empty((paths.n_points, 8 * groups), np.float32)
     brightness = device.empty((paths.n_points, 2), np.float32)
-    device.kernel("path_sums", "sum_paths", HR_GROUPS=groups, HR_LIT_HITS=paths.lit_hits)(
+    device.kernel(
+        "path_sums", "sum_paths", HR_GROUPS=groups, HR_LIT_HITS=paths.lit_hits, HR_GLOW=int(light.glow is not None)
+    )(
         paths.n_points,
         path_start=device.upload(paths.start),
-        path_material=paths.material,
+        path_paint=paths.paint,
         path_emitter=paths.emitter,
         path_gain=paths.gain,
         path_row=paths.row,
         reflectance=light.reflectance,
+        glow=light.reflectance if light.glow is None else light.glow,
         emission=light.emission_on_device,
         reflected=light.reflected,
         sky=light.sky,
@@ -288,7 +294,7 @@ def _gather(
         irradiance += reflected_light(scene, more, light)[0]
     if not (row == COVERED).any():
         return irradiance, np.zeros(points.n)
-    first_hit = scene.device.fetch(paths.material)[:, 0].reshape(points.n, count)
+    first_hit = scene.device.fetch(paths.paint)[:, 0].reshape(points.n, count)
     return irradiance, ((first_hit == NONE) & (row == COVERED)).mean(axis=1)
 
 

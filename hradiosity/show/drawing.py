@@ -21,6 +21,7 @@ from hradiosity.show.seams import level_seams
 from hradiosity.show.shading import flat_light, line_mask, locate, refinement_goal, smooth_light
 from hradiosity.solution import Solution
 from hradiosity.transport.device_scene import DeviceScene
+from hradiosity.transport.glow import sampled_scene
 from hradiosity.transport.refine import RefinementOptions, ShadowLight, refine_shadows
 
 PER_PIXEL: Final = 3
@@ -134,7 +135,7 @@ def prepare_drawing(
     hits = [trace_view(on_device.bvh, view, PER_PIXEL) for view in views]
     lux = np.einsum("rb,b->r", solution.surfaces.irradiance, luminous_weights(scene.bands))
     goal = refinement_goal(picture, hits, LEAF_PIXELS * PER_PIXEL, lux)
-    shadow = refine_shadows(on_device, scene, goal, refinement)
+    shadow = refine_shadows(on_device, sampled_scene(scene, solution.plan.weak_emitters), goal, refinement)
     rows = level_seams(picture, on_device.bvh, row_light(picture, solution, shadow))
     at_vertex = shadow_channels(picture, shadow)
     sky = np.zeros(3) if scene.sky is None else np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))

@@ -23,6 +23,7 @@ from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import NONE
 from hradiosity.space.viewpoints import automatic_view
 from hradiosity.transport.device_scene import DeviceScene, upload_scene
+from hradiosity.transport.glow import sampled_scene
 from hradiosity.transport.refine import RefinementOptions
 
 Mode = Literal["flat", "smooth", "wireframe", "unshaded", "false-color"]
@@ -128,7 +129,8 @@ def draw_pictures(
         return PictureSet((), {"pictures": []}, ())
     if on_device is None:
         bvh = build_bvh(device, scene.patches)
-        on_device = upload_scene(device, scene, bvh, occlusion=solution.plan.occlusion)
+        sampled = sampled_scene(scene, solution.plan.weak_emitters)
+        on_device = upload_scene(device, sampled, bvh, occlusion=solution.plan.occlusion)
     views, notes = _views(solution, on_device)
     drawings = prepare_drawing(solution, on_device, views, options.refinement)
     white = options.white_luminance or white_luminance([d.dull_radiance() for d in drawings])

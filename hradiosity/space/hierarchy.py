@@ -64,7 +64,13 @@ class Elements:
 
 
 def build_elements(
-    patches: Patches, space: NDArray[np.int32], two_sided: NDArray[np.bool_], size: float, *, grouping: bool = True
+    patches: Patches,
+    space: NDArray[np.int32],
+    two_sided: NDArray[np.bool_],
+    size: float,
+    *,
+    grouping: bool = True,
+    paint: NDArray[np.uint32] | None = None,
 ) -> Elements:
     """Cut the lit sides into elements of about `size`, and join small faces.
 
@@ -79,13 +85,15 @@ def build_elements(
     grouping : bool
         Join uncut faces of one material and one space whose normals lie within about 45° and whose centres lie in one
         cube of edge h (Willmott, Heckbert & Garland 1999 call such a set a face cluster).
+    paint : (n_patches, 2) uint32, optional
+        Faces are joined only where this is the same, in place of the material.
     """
     divisions = grid_divisions(patches, size)
     first_cell, cell_side = cut_sides(patches, space, divisions)
     side_material = side_materials(patches, two_sided)
     count = _cells_a_side(patches, divisions)
     cell_row = (
-        _group_rows(patches, space, cell_side, count, side_material, size)
+        _group_rows(patches, space, cell_side, count, side_material if paint is None else paint, size)
         if grouping
         else np.arange(len(cell_side), dtype=np.int64)
     )
@@ -166,7 +174,7 @@ def _group_rows(
     space: NDArray[np.int32],
     cell_side: NDArray[np.uint32],
     count: NDArray[np.int64],
-    side_material: NDArray[np.uint32],
+    paint: NDArray[np.uint32],
     size: float,
 ) -> NDArray[np.int64]:
     """(n_cells,) row of each cell: cells of cut patches alone, single cells with others of their kind and place."""
@@ -174,7 +182,7 @@ def _group_rows(
     single = count[patch] == 1
     normal = patches.normal[patch] * np.where(side == 0, 1.0, -1.0)[:, None]
     cube = np.floor((patches.centroid[patch] - patches.bounds()[0]) / size + 1e-6).astype(np.int64)
-    kind = np.column_stack([side_material.ravel()[cell_side], space.ravel()[cell_side], _direction_class(normal), cube])
+    kind = np.column_stack([paint.ravel()[cell_side], space.ravel()[cell_side], _direction_class(normal), cube])
     kind[~single] = -1
     kind[~single, 0] = -1 - np.flatnonzero(~single)
     _, first, group = np.unique(kind, axis=0, return_index=True, return_inverse=True)

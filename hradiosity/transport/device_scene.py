@@ -55,15 +55,13 @@ class DeviceElements:
     """Row elements on the device.
 
     cells : arrays by the names of the kernels' arguments
-    side_material : (n_patches, 2) uint32
-    row_size : (n_rows,) float32, square root of each element's area [m]
+    side_paint : (n_patches, 2) uint32, see `hradiosity.transport.glow.Glow`
     proved : (n_rows, n_emitters) uint8, see `hradiosity.space.shafts`; None where nothing was tried
     """
 
     elements: Elements
     cells: dict[str, DeviceArray]
-    side_material: DeviceArray
-    row_size: DeviceArray
+    side_paint: DeviceArray
     proved: DeviceArray | None = None
 
     def sight(self, scene: DeviceScene) -> DeviceArray:
@@ -115,8 +113,8 @@ def _emitter_extent(scene: Scene) -> NDArray[np.float64]:
     return extent
 
 
-def upload_elements(device: Device, elements: Elements) -> DeviceElements:
-    """Put the row elements on the device."""
+def upload_elements(device: Device, elements: Elements, paint: NDArray[np.uint32] | None = None) -> DeviceElements:
+    """Put the row elements on the device; the paint (n_patches, 2) of each side is its material if none is given."""
     return DeviceElements(
         elements=elements,
         cells={
@@ -128,6 +126,5 @@ def upload_elements(device: Device, elements: Elements) -> DeviceElements:
             "row_cell": device.upload(elements.row_cell),
             "row_share": device.upload(elements.row_share),
         },
-        side_material=device.upload(elements.side_material),
-        row_size=device.upload(np.sqrt(elements.area), np.float32),
+        side_paint=device.upload(elements.side_material if paint is None else paint),
     )
