@@ -178,7 +178,10 @@ def draw_histories(path: Path, histories: Sequence[History]) -> None:
     names = list(dict.fromkeys(h.case for h in histories))
     figure = Figure(figsize=(16.0, 8.0), layout="constrained")
     FigureCanvasAgg(figure)
-    for axes, name in zip(figure.subplots(2, -(-len(names) // 2), sharey=True).ravel(), names):
+    every = figure.subplots(2, -(-len(names) // 2), sharey=True).ravel()
+    for unused in every[len(names) :]:
+        unused.set_axis_off()
+    for axes, name in zip(every, names):
         for history in (h for h in histories if h.case == name):
             steps = np.array(history.steps)
             axes.loglog(steps[:, 0], steps[:, 2], label=history.solver)
