@@ -149,7 +149,7 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
         direct[i] = factor;
         return;
     }
-    float weight = 0.0f, open = 0.0f;
+    float weight = 0.0f, weight_rest = 0.0f, open = 0.0f, open_rest = 0.0f;
     for (uint k = 0; k < rays; ++k) {
         if (k == n_pilot && (open == 0.0f || open == weight))
             break;
@@ -160,15 +160,15 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                 hr_hidden(x, n, HR_NONE, emitter,
                           (float4)(at.x, at.y, hr_sample(k, 2, lamp_seed), hr_sample(k, 3, lamp_seed)), &clear, scale,
                           HR_EMITTER, HR_PATCH, HR_BVH);
-            weight += clear;
-            open += clear - hidden;
+            hr_add(&weight, &weight_rest, clear);
+            hr_add(&open, &open_rest, clear - hidden);
             continue;
         }
         const float3 y = hr_emitter_point(emitter, at.x, at.y, HR_EMITTER, HR_PATCH);
         const float w = hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH);
-        weight += w;
+        hr_add(&weight, &weight_rest, w);
         if (w > 0.0f)
-            open += w * hr_open(x, n, HR_NONE, y, emitter_patch[emitter], scale, HR_BVH);
+            hr_add(&open, &open_rest, w * hr_open(x, n, HR_NONE, y, emitter_patch[emitter], scale, HR_BVH));
     }
     direct[i] = weight > 0.0f ? factor * (open / weight) : 0.0f;
 }

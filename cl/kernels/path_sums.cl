@@ -3,10 +3,10 @@
 #include "include/hr_outcomes.h"
 #include "include/hr_types.h"
 
-/* Reflected part of each reading: mean over its paths of rho1 (D1 + rho2 (D2 + ... rho E)), with the light D at each
+/* Reflected part of readings: sums over batches of paths of rho1 (D1 + rho2 (D2 + ... rho E)), with the light D at each
    hit that was lit explicitly and the solution at the last one. The sky shines where a path leaves. With HR_GLOW, paints
    that shine add their own exitance at each hit; at the last, `reflected` holds it. */
-__kernel void sum_paths(__global const uint *path_start,     /* (n_points + 1,) into the paths                 */
+__kernel void sum_paths(__global const uint *path_start,     /* (n_batches + 1,) into the paths                */
                         __global const uint *path_paint,     /* (n_paths, HR_LIT_HITS)                         */
                         __global const uint *path_emitter,   /* (n_paths, HR_LIT_HITS)                         */
                         __global const float *path_gain,     /* (n_paths, HR_LIT_HITS)                         */
@@ -17,20 +17,20 @@ __kernel void sum_paths(__global const uint *path_start,     /* (n_points + 1,) 
                         __global const float *reflected,     /* (n_rows, 8 n_groups) leaving [W m^-2]          */
                         __global const float *sky,           /* (8 n_groups,) pi L [W m^-2]                    */
                         __global const float *weight,        /* (8 n_groups,) of a path's brightness           */
-                        __global float *irradiance,          /* (n_points, 8 n_groups) [W m^-2]                */
-                        __global float *brightness,          /* (n_points, 2) sums of a path's and its square  */
-                        const uint n_samples, const uint n_items)
+                        __global float *irradiance,          /* (n_batches, 8 n_groups) [W m^-2]               */
+                        __global float *brightness,          /* (n_batches, 2) sums of a path's and its square */
+                        const uint n_items)
 {
-    const uint point = get_global_id(0);
-    if (point >= n_items)
+    const uint batch = get_global_id(0);
+    if (batch >= n_items)
         return;
     float8 sum[HR_GROUPS];
 #pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
         sum[g] = (float8)(0.0f);
     float bright_sum = 0.0f, bright_squares = 0.0f;
-    const uint end = path_start[point + 1];
-    for (uint i = path_start[point]; i < end; ++i) {
+    const uint end = path_start[batch + 1];
+    for (uint i = path_start[batch]; i < end; ++i) {
         const size_t first = (size_t)i * HR_LIT_HITS;
         const uint row = path_row[i];
         uint lit = 0;
@@ -68,9 +68,9 @@ __kernel void sum_paths(__global const uint *path_start,     /* (n_points + 1,) 
         bright_sum += path;
         bright_squares += path * path;
     }
-    brightness[2 * point] = bright_sum;
-    brightness[2 * point + 1] = bright_squares;
+    brightness[2 * batch] = bright_sum;
+    brightness[2 * batch + 1] = bright_squares;
 #pragma unroll
     for (uint g = 0; g < HR_GROUPS; ++g)
-        ((hr_groups_out)irradiance)[(size_t)point * HR_GROUPS + g] = sum[g] / (float)n_samples;
+        ((hr_groups_out)irradiance)[(size_t)batch * HR_GROUPS + g] = sum[g];
 }

@@ -18,6 +18,8 @@ UNIFORM_SHARE = 0.1
 """Part of the probability with which an emitter is drawn at a hit that does not depend on the solution."""
 BATCH_PATHS = 1 << 22
 """Paths kept on the device at a time."""
+SUMMED_PATHS = 1024
+"""Paths that one work-item sums in single precision."""
 LIT_HITS, MOST_LIT_HITS = 2, 32
 """Hits of a path that may be lit explicitly: of most paths, and of the few that come into corners, contacts, slots."""
 
@@ -187,24 +189,26 @@ def trace_paths(
 
 def reflected_light(
     scene: DeviceScene, paths: PathSamples, light: SurfaceLight
-) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """What the paths bring, sky seen directly included.
 
     Returns
     -------
-    irradiance : (n_points, 8 n_groups) float32
-    brightness : (n_points, 2) float32
+    irradiance : (n_points, 8 n_groups) float64
+    brightness : (n_points, 2) float64
         Sums of each path's brightness (`SurfaceLight.weight` times its spectrum) and of its square.
     """
     device = scene.device
     groups = light.columns.n_groups
-    irradiance = device.empty((paths.n_points, 8 * groups), np.float32)
-    brightness = device.empty((paths.n_points, 2), np.float32)
+    batch, of_point = _summed_batches(paths.start)
+    n_batches = len(batch) - 1
+    irradiance = device.empty((n_batches, 8 * groups), np.float32)
+    brightness = device.empty((n_batches, 2), np.float32)
     device.kernel(
         "path_sums", "sum_paths", HR_GROUPS=groups, HR_LIT_HITS=paths.lit_hits, HR_GLOW=int(light.glow is not None)
     )(
-        paths.n_points,
-        path_start=device.upload(paths.start),
+        n_batches,
+        path_start=device.upload(batch),
         path_paint=paths.paint,
         path_emitter=paths.emitter,
         path_gain=paths.gain,
@@ -217,9 +221,22 @@ def reflected_light(
         weight=light.weight,
         irradiance=irradiance,
         brightness=brightness,
-        n_samples=paths.n_samples,
     )
-    return device.fetch(irradiance), device.fetch(brightness)
+    sums, squares = (device.fetch(part).astype(np.float64) for part in (irradiance, brightness))
+    return np.add.reduceat(sums, of_point) / paths.n_samples, np.add.reduceat(squares, of_point)
+
+
+def _summed_batches(start: NDArray[np.uint32]) -> tuple[NDArray[np.uint32], NDArray[np.int64]]:
+    """Paths cut into batches that belong to one point: first path of each batch and the end, first batch of each point.
+
+    Each point has one batch at least, so that points without paths sum to 0.
+    """
+    counts = np.diff(start.astype(np.int64))
+    batches = np.maximum(-(-counts // SUMMED_PATHS), 1)
+    of_point = np.cumsum(batches) - batches
+    number = np.arange(int(batches.sum())) - np.repeat(of_point, batches)
+    first = np.repeat(start[:-1].astype(np.int64), batches) + SUMMED_PATHS * number
+    return np.append(first, start[-1]).astype(np.uint32), of_point
 
 
 @dataclass(frozen=True)
@@ -283,7 +300,7 @@ def _gather(
     count: int,
     seed: int,
     rules: PathRules,
-) -> tuple[NDArray[np.float32], NDArray[np.float64]]:
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Reflected light (n_points, 8 n_groups) by `count` paths each, and the share of them that began inside a solid."""
     paths = trace_paths(scene, elements, light, points, count, seed, rules)
     irradiance = reflected_light(scene, paths, light)[0]
