@@ -10,7 +10,8 @@
 /* Sine of the angle below which edges count as parallel. */
 #define HR_PARALLEL 1.0e-12
 
-/* Nodes in [0, 1/2] of rules on [0, 1] that are symmetric about the middle, with weights. */
+/* Nodes in [0, 1/2] of rules on [0, 1] that are symmetric about the middle, with weights; of each rule an even number,
+   filled up with weight 0. */
 typedef struct {
     __global const double *node;
     __global const double *weight;
@@ -20,31 +21,38 @@ typedef struct {
     double near_error; /* relative error of the first two rules */
 } hr_rules;
 
-/* integral of ln|p - q| dq over the edge from q0 along the unit vector v. */
-HR_FORCE_INLINE double hr_log_integral(const double3 p, const double3 q0, const double3 v, const double length)
+/* integral of ln|p - q| dq over the edge from q0 along the unit vector v, for four points p at a time. Written about the
+   farther end, at distance r: L ln r + c ln(r'/r) - L + h atan2(L h, h^2 + t t'), where the nearer end lies at distance
+   r' and its foot c beyond it. No term is larger than L, so that far edges keep their digits. */
+HR_FORCE_INLINE double4 hr_log_integral(const double4 px, const double4 py, const double4 pz, const double3 q0,
+                                        const double3 v, const double length)
 {
-    const double3 r = q0 - p;
-    const double t = hr_dot_d(r, v);
-    const double3 off = hr_cross_d(r, v);
-    const double h2 = hr_dot_d(off, off);
-    const double h = sqrt(h2);
-    const double start2 = h2 + t * t;
-    const double end = t + length;
-    const double end2 = h2 + end * end;
-    if (t > 0.0 || end < 0.0) {
-        /* The foot lies beside the edge: the difference of logarithms as one, which keeps its digits far away. The
-           nearer end is the one that the logarithm is taken at. */
-        const double near2 = t > 0.0 ? start2 : end2;
-        const double near = t > 0.0 ? t : -end;
-        const double far = near + length;
-        if (near2 > 0.0)
-            return 0.5 * (length * log(near2) + far * log1p(length * (near + far) / near2)) - length +
-                   h * atan2(length * h, h2 + t * end);
-    }
-    double sum = h > 0.0 ? h * atan2(length * h, h2 + t * end) : 0.0;
-    sum += end2 > 0.0 ? 0.5 * end * log(end2) : 0.0;
-    sum -= start2 > 0.0 ? 0.5 * t * log(start2) : 0.0;
-    return sum - length;
+    const double4 x = q0.x - px, y = q0.y - py, z = q0.z - pz;
+    const double4 start = v.x * x + v.y * y + v.z * z;
+    const double4 off_x = y * v.z - z * v.y, off_y = z * v.x - x * v.z, off_z = x * v.y - y * v.x;
+    const double4 h2 = off_x * off_x + off_y * off_y + off_z * off_z;
+    const double4 h = sqrt(h2);
+    const double4 end = start + length;
+    const double4 start2 = h2 + start * start, end2 = h2 + end * end;
+    const long4 end_is_far = start + end >= 0.0;
+    const double4 far2 = end_is_far ? end2 : start2;
+    const double4 near2 = end_is_far ? start2 : end2;
+    const double4 beyond = end_is_far ? -start : end;
+    const double4 drop = -length * (end_is_far ? start + end : -start - end) / far2;
+    const double4 ratio = near2 > 0.0 ? near2 / far2 : (double4)(1.0);
+    const double4 log_ratio = drop > -0.5 ? log1p(drop) : log(ratio);
+    const double4 angle = atan2(length * h, h2 + start * end);
+    return 0.5 * (length * log(far2) + beyond * log_ratio) - length + h * angle;
+}
+
+/* The same from points p0 + s u at two places and their mirror images: s = low + length x and high - length x. */
+HR_FORCE_INLINE double4 hr_mirrored_integrals(const double3 p0, const double3 u, const double low, const double high,
+                                              const double x0, const double x1, const double3 q0, const double3 v,
+                                              const double length)
+{
+    const double near0 = (high - low) * x0, near1 = (high - low) * x1;
+    const double4 s = (double4)(low + near0, high - near0, low + near1, high - near1);
+    return hr_log_integral(p0.x + s * u.x, p0.y + s * u.y, p0.z + s * u.z, q0, v, length);
 }
 
 /* Second antiderivative in x of ln(x^2 + h^2) / 2. */
@@ -92,10 +100,9 @@ inline double hr_smooth_piece(const double3 p0, const double3 u, const double le
                               __global const double *weight, const uint n)
 {
     double sum = 0.0;
-    for (uint k = 0; k < n; ++k) {
-        const double near = length_a * node[k];
-        sum += weight[k] * (hr_log_integral(p0 + near * u, q0, v, length_b) +
-                            hr_log_integral(p0 + (length_a - near) * u, q0, v, length_b));
+    for (uint k = 0; k < n; k += 2) {
+        const double4 value = hr_mirrored_integrals(p0, u, 0.0, length_a, node[k], node[k + 1], q0, v, length_b);
+        sum += weight[k] * (value.x + value.y) + weight[k + 1] * (value.z + value.w);
     }
     return sum * length_a;
 }
@@ -109,14 +116,10 @@ inline double hr_crowded_piece(const double3 p0, const double3 u, const double l
     __global const double *weight = rules.weight + rules.n_near + rules.n_far;
     const double length = high - low;
     double even = 0.0, odd = 0.0;
-    for (uint k = 0; k < rules.n_fine; ++k) {
-        const double near = length * node[k];
-        const double both = weight[k] * (hr_log_integral(p0 + (low + near) * u, q0, v, length_b) +
-                                         hr_log_integral(p0 + (high - near) * u, q0, v, length_b));
-        if (k % 2 == 0)
-            even += both;
-        else
-            odd += both;
+    for (uint k = 0; k < rules.n_fine; k += 2) {
+        const double4 value = hr_mirrored_integrals(p0, u, low, high, node[k], node[k + 1], q0, v, length_b);
+        even += weight[k] * (value.x + value.y);
+        odd += weight[k + 1] * (value.z + value.w);
     }
     *coarse = 2.0 * even * length;
     return (even + odd) * length;
@@ -186,9 +189,10 @@ inline double hr_edge_pair(const double3 a0, const double3 u, const double lengt
     return value;
 }
 
-/* A F of two convex polygons that see all of each other, from corners in units of about their extent. */
+/* A F of two convex polygons that see all of each other, from corners in units of about their extent. *error: of the
+   quadrature; *rounding: what cancellation leaves, whatever the quadrature. */
 inline double hr_contour_exchange(const double3 *a, const uint count_a, const double3 *b, const uint count_b,
-                                  const hr_rules rules, double *error)
+                                  const hr_rules rules, double *error, double *rounding)
 {
     double sum = 0.0, doubt = 0.0, magnitude = 0.0;
     for (uint k = 0; k < count_a; ++k) {
@@ -211,7 +215,8 @@ inline double hr_contour_exchange(const double3 *a, const uint count_a, const do
             doubt += hr_magnitude_d(cosine) * pair_error;
         }
     }
-    *error = (doubt + 4.0 * HR_EPSILON_D * magnitude) / (2.0 * HR_PI_D);
+    *error = doubt / (2.0 * HR_PI_D);
+    *rounding = 4.0 * HR_EPSILON_D * magnitude / (2.0 * HR_PI_D);
     return sum / (2.0 * HR_PI_D);
 }
 

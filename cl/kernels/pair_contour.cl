@@ -10,6 +10,7 @@ __kernel void contour_exchange(HR_POLYGON_PARAMS,
                                const uint n_near, const uint n_far, const uint n_fine, const double near_error,
                                __global double *exchange, /* (n_items,) A F [m^2] */
                                __global double *error,    /* (n_items,) [m^2]     */
+                               __global double *rounding, /* (n_items,) [m^2]     */
                                const uint n_items)
 {
     const uint i = get_global_id(0);
@@ -19,8 +20,9 @@ __kernel void contour_exchange(HR_POLYGON_PARAMS,
     uint count_a, count_b;
     const double length = hr_load_facing(first[i], second[i], a, &count_a, b, &count_b, HR_POLYGON);
     const hr_rules rules = {rule_node, rule_weight, n_near, n_far, n_fine, near_error};
-    double doubt = 0.0;
-    const double sum = count_a ? hr_contour_exchange(a, count_a, b, count_b, rules, &doubt) : 0.0;
+    double doubt = 0.0, lost = 0.0;
+    const double sum = count_a ? hr_contour_exchange(a, count_a, b, count_b, rules, &doubt, &lost) : 0.0;
     exchange[i] = sum * length * length;
     error[i] = doubt * length * length;
+    rounding[i] = lost * length * length;
 }

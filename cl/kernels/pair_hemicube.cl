@@ -6,7 +6,8 @@
 __kernel void hemicube_exchange(HR_POLYGON_PARAMS,
                                 __global const uint *first,        /* (n_pairs,) receivers                       */
                                 __global const uint *second,       /* (n_pairs,)                                 */
-                                __global const double *rule_point, /* (n_polygons, 4, n_points) x, y, z, weight  */
+                                __global const double *rule_point, /* (n_rows, 4, n_points) x, y, z, weight      */
+                                __global const uint *rule_row,     /* (n_pairs,) row of the receiver                 */
                                 __global const float *pixel,       /* (1.5 resolution^2,) form factor of each    */
                                 const uint n_points, const uint resolution, const uint n_turns, const uint seed,
                                 __global double *exchange,         /* (n_pairs, n_turns) A F [m^2]               */
@@ -17,7 +18,7 @@ __kernel void hemicube_exchange(HR_POLYGON_PARAMS,
         return;
     const uint p = first[i / n_turns], q = second[i / n_turns];
     const double3 np = hr_row_d(polygon_normal, p), nq = hr_row_d(polygon_normal, q);
-    __global const double *rule = rule_point + (size_t)p * 4 * n_points;
+    __global const double *rule = rule_point + (size_t)rule_row[i / n_turns] * 4 * n_points;
     double3 corner[HR_CORNERS];
     const uint key = hr_pair_seed(seed, p, q, i % n_turns, polygon_sphere);
     double sum = 0.0;

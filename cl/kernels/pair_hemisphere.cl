@@ -5,7 +5,8 @@
 __kernel void hemisphere_exchange(HR_POLYGON_PARAMS,
                                   __global const uint *first,        /* (n_items,) receivers                      */
                                   __global const uint *second,       /* (n_items,)                                */
-                                  __global const double *rule_point, /* (n_polygons, 4, n_points) x, y, z, weight */
+                                  __global const double *rule_point, /* (n_rows, 4, n_points) x, y, z, weight     */
+                                  __global const uint *rule_row,     /* (n_items,) row of the receiver                */
                                   const uint n_points,
                                   const uint halvings,       /* arcs become 2^halvings chords; HR_EXACT_ARC */
                                   __global double *exchange, /* (n_items,) A F [m^2]                        */
@@ -16,7 +17,7 @@ __kernel void hemisphere_exchange(HR_POLYGON_PARAMS,
         return;
     const uint p = first[i], q = second[i];
     const double3 np = hr_row_d(polygon_normal, p), nq = hr_row_d(polygon_normal, q);
-    __global const double *rule = rule_point + (size_t)p * 4 * n_points;
+    __global const double *rule = rule_point + (size_t)rule_row[i] * 4 * n_points;
     const uint count = polygon_count[q];
     const double flat = HR_FLAT * (polygon_sphere[4 * (size_t)p + 3] + polygon_sphere[4 * (size_t)q + 3]);
     double3 corner[HR_CORNERS];

@@ -27,15 +27,15 @@ EDGES = {
     "far": ((0, 0, 0), (1, 0, 0), (20, 3, 1), (20.5, 4, 2)),
 }
 EDGE_CALL = (
-    "({ const hr_rules rules = {in_node, in_weight, 8, 4, 25, 1e-12}; double error, magnitude = 0.0;"
+    "({ const hr_rules rules = {in_node, in_weight, 8, 4, 26, 1e-12}; double error, magnitude = 0.0;"
     " const double sum = hr_edge_pair(a, u, la, b, v, lb, rules, &error, &magnitude); (double2)(sum, error); })"
 )
 
 
 def edge_sums(device, edges):
-    """hr_edge_pair and its error estimate for edges (n, 4, 3), n at most 37."""
+    """hr_edge_pair and its error estimate for edges (n, 4, 3), n at most 38."""
     rules = [gauss(16), gauss(8), double_exponential(0.125)]
-    node, weight = (np.concatenate([r[k][:n] for r, n in zip(rules, (8, 4, 25))]) for k in (0, 1))
+    node, weight = (np.concatenate([*[r[k][:n] for r, n in zip(rules, (8, 4, 25))], [0.0]]) for k in (0, 1))
     rows = np.resize(edges, (len(node), 4, 3))
     u, v = rows[:, 1] - rows[:, 0], rows[:, 3] - rows[:, 2]
     la, lb = (np.linalg.norm(edge, axis=1) for edge in (u, v))

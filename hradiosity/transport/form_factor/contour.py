@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import Final
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
 from hradiosity.transport.form_factor.quadrature import double_exponential, gauss
@@ -31,24 +32,25 @@ def contour_exchange(pairs: Pairs, tolerance: float) -> Estimate:
         is in the estimate.
     """
     start = 0 if tolerance >= 1e-5 else 1
-    result = _at_level(pairs, start)
+    result, rounding = _at_level(pairs, start)
     for level in range(start + 1, len(LEVELS)):
-        open_ = np.flatnonzero(result.error > tolerance * result.exchange)
+        open_ = np.flatnonzero(result.error > np.maximum(tolerance * result.exchange, rounding))
         if len(open_) == 0:
             break
-        finer = _at_level(pairs.subset(open_), level)
+        finer, _ = _at_level(pairs.subset(open_), level)
         better = finer.error < result.error[open_]
         result.exchange[open_[better]] = finer.exchange[better]
         result.error[open_[better]] = finer.error[better]
-    return result
+    return Estimate(result.exchange, result.error + rounding)
 
 
-def _at_level(pairs: Pairs, level: int) -> Estimate:
+def _at_level(pairs: Pairs, level: int) -> tuple[Estimate, NDArray[np.float64]]:
+    """A F with the error of the quadrature, and the rounding error, (n_pairs,) [m²]."""
     near, far, step, near_error = LEVELS[level]
-    rules = [_lower_half(near), _lower_half(far), double_exponential(step)]
+    rules = [_even(*_lower_half(near)), _even(*_lower_half(far)), _even(*double_exponential(step))]
     node, weight = (np.concatenate(column) for column in zip(*rules))
     device = pairs.device
-    exchange, error = pairs.results()
+    exchange, error, rounding = pairs.results(3)
     device.kernel("pair_contour", "contour_exchange", **pairs.corner_definitions)(
         len(pairs),
         **pairs.polygon_arguments,
@@ -61,10 +63,18 @@ def _at_level(pairs: Pairs, level: int) -> Estimate:
         near_error=near_error,
         exchange=exchange,
         error=error,
+        rounding=rounding,
     )
-    return pairs.estimate(exchange, error)
+    return pairs.estimate(exchange, error), device.fetch(rounding)[: len(pairs)]
 
 
-def _lower_half(order: int) -> tuple[np.ndarray, np.ndarray]:
+def _lower_half(order: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     node, weight = gauss(order)
     return node[: order // 2], weight[: order // 2]
+
+
+def _even(node: NDArray[np.float64], weight: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Kernels take two nodes at a time; the one that is added has no weight."""
+    if len(node) % 2 == 0:
+        return node, weight
+    return np.append(node, 0.25), np.append(weight, 0.0)

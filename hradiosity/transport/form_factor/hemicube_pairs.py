@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hradiosity.transport.form_factor.hemicube import delta_factors
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
-from hradiosity.transport.form_factor.quadrature import surface_rule
+from hradiosity.transport.form_factor.quadrature import receiver_arguments
 
 _TURNS: Final = 4
 
@@ -48,15 +48,13 @@ def hemicube_exchange(pairs: Pairs, points: int, resolution: int, seed: int) -> 
 def _turned(pairs: Pairs, points: int, resolution: int, seed: int) -> NDArray[np.float64]:
     """(n_pairs, turns) A F [m²]."""
     device = pairs.device
-    rule = surface_rule(pairs.polygons, points).point
     exchange = device.empty((len(pairs), _TURNS), np.float64)
     device.kernel("pair_hemicube", "hemicube_exchange", **pairs.corner_definitions)(
         len(pairs) * _TURNS,
         **pairs.polygon_arguments,
         **pairs.pair_arguments,
-        rule_point=device.upload(rule),
+        **receiver_arguments(pairs, points),
         pixel=device.upload(delta_factors(resolution)),
-        n_points=rule.shape[2],
         resolution=resolution,
         n_turns=_TURNS,
         seed=seed,

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
-from hradiosity.transport.form_factor.quadrature import surface_rule
+from hradiosity.transport.form_factor.quadrature import receiver_arguments
 
 EXACT_ARC: Final = 255
 LARGEST_ORDER: Final = 16
@@ -45,14 +45,12 @@ def hemisphere_exchange(pairs: Pairs, tolerance: float, points: int | None = Non
 def receiver_sum(pairs: Pairs, order: int, halvings: int = EXACT_ARC) -> NDArray[np.float64]:
     """(n_pairs,) A F [m²] with so many points a direction, arcs exact or as ``2**halvings`` chords each."""
     device = pairs.device
-    rule = surface_rule(pairs.polygons, order).point
     (exchange,) = pairs.results(1)
     device.kernel("pair_hemisphere", "hemisphere_exchange", **pairs.corner_definitions)(
         len(pairs),
         **pairs.polygon_arguments,
         **pairs.pair_arguments,
-        rule_point=device.upload(rule),
-        n_points=rule.shape[2],
+        **receiver_arguments(pairs, order),
         halvings=halvings,
         exchange=exchange,
     )

@@ -88,7 +88,8 @@ class Pairs:
         if len(self) == 0:
             return Estimate(np.zeros(0), np.zeros(0))
         most = np.minimum(self.polygons.area[self.first], self.polygons.area[self.second])
-        return Estimate(np.clip(self.device.fetch(exchange), 0.0, most), self.device.fetch(error))
+        values = np.clip(self.device.fetch(exchange), 0.0, most)
+        return Estimate(values, values if error is exchange else self.device.fetch(error))
 
 
 def _upload(polygons: PolygonSet, device: Device) -> dict[str, DeviceArray]:

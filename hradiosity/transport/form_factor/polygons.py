@@ -44,6 +44,18 @@ class PolygonSet:
     def __len__(self) -> int:
         return len(self.corners)
 
+    def subset(self, chosen: NDArray[Any]) -> PolygonSet:
+        """Some of the polygons, by index."""
+        return PolygonSet(
+            self.corners[chosen],
+            self.count[chosen],
+            self.normal[chosen],
+            self.centre[chosen],
+            self.area[chosen],
+            self.radius[chosen],
+            self.local_origin,
+        )
+
 
 def stack_corners(polygons: ArrayLike | Sequence[ArrayLike], name: str) -> tuple[NDArray[np.float64], NDArray[Any]]:
     """Corners (n, k, 3) and their number (n,) of one polygon (k, 3), equal ones (n, k, 3), or a list of any.
@@ -56,21 +68,30 @@ def stack_corners(polygons: ArrayLike | Sequence[ArrayLike], name: str) -> tuple
     """
     single = is_single(polygons)
     listed: Sequence[Any] = [polygons] if single else polygons  # type: ignore[assignment]
-    rows = [_float_array(row, name if single else f"{name}[{i}]") for i, row in enumerate(listed)]
+    if isinstance(listed, np.ndarray) and listed.ndim == 3:
+        rows = list(np.asarray(listed, np.float64))
+    else:
+        rows = [_float_array(row, name if single else f"{name}[{i}]") for i, row in enumerate(listed)]
     for i, row in enumerate(rows):
-        label = name if single else f"{name}[{i}]"
-        if row.ndim != 2 or row.shape[1] != 3:
-            raise ValueError(f"{label}: corners must have the shape (k, 3), have {row.shape}")
-        if not 3 <= len(row) <= MOST_CORNERS:
-            raise ValueError(f"{label}: a polygon needs 3 to {MOST_CORNERS} corners, has {len(row)}")
-        if not np.isfinite(row).all():
-            raise ValueError(f"{label}: coordinates must be finite")
+        if row.ndim != 2 or row.shape[1] != 3 or not 3 <= len(row) <= MOST_CORNERS:
+            raise ValueError(f"{name if single else f'{name}[{i}]'}: {_wrong_shape(row)}")
     count = np.array([len(row) for row in rows], np.uint32)
     most = int(count.max(initial=3))
     corners = np.zeros((len(rows), most, 3))
-    for i, row in enumerate(rows):
-        corners[i] = row[np.minimum(np.arange(most), len(row) - 1)]
+    if len(rows):
+        starts = np.cumsum(count) - count
+        within = np.minimum(np.arange(most), count[:, None].astype(np.int64) - 1)
+        corners[:] = np.concatenate(rows)[starts[:, None].astype(np.int64) + within]
+    wild = np.flatnonzero(~np.isfinite(corners).all(axis=(1, 2)))
+    if len(wild):
+        raise ValueError(f"{name if single else f'{name}[{wild[0]}]'}: coordinates must be finite")
     return corners, count
+
+
+def _wrong_shape(row: NDArray[np.float64]) -> str:
+    if row.ndim != 2 or row.shape[1] != 3:
+        return f"corners must have the shape (k, 3), have {row.shape}"
+    return f"a polygon needs 3 to {MOST_CORNERS} corners, has {len(row)}"
 
 
 def is_single(polygons: Any) -> bool:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.transport.form_factor.pairs import Pairs
 from hradiosity.transport.form_factor.polygons import PolygonSet
 
 
@@ -45,6 +47,18 @@ class SurfaceRule:
     """
 
     point: NDArray[np.float64]
+
+
+def receiver_arguments(pairs: Pairs, order: int) -> dict[str, Any]:
+    """Kernel arguments ``rule_point``, ``rule_row`` and ``n_points``: points on the first polygon of each pair."""
+    chosen, row = np.unique(pairs.first, return_inverse=True)
+    point = surface_rule(pairs.polygons.subset(chosen), order).point
+    device = pairs.device
+    return {
+        "rule_point": device.upload(point, np.float64),
+        "rule_row": device.upload(row.ravel(), np.uint32),
+        "n_points": point.shape[2],
+    }
 
 
 def surface_rule(polygons: PolygonSet, order: int) -> SurfaceRule:
