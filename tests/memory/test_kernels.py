@@ -22,6 +22,8 @@ from hradiosity.space.hierarchy import build_elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.transport.device_scene import upload_scene
 from hradiosity.transport.form_factor.hemicube import Hemicube
+from hradiosity.transport.form_factor.interface import form_factor
+from hradiosity.transport.form_factor.methods import METHODS
 
 pytestmark = pytest.mark.oclgrind
 LOG = Path(os.environ.get("OCLGRIND_LOG", os.devnull))
@@ -111,3 +113,26 @@ def test_camera(device):
     hits = trace_view(build_bvh(device, scene.patches), view, 1)
     assert (hits.side >= 0).all()
     assert np.isfinite(hits.depth).all()
+
+
+def test_form_factors_of_pairs(device):
+    """Every method, with a card between; a pentagon fills its row of corners partly."""
+    angle = 2.0 * np.pi * np.arange(5) / 5.0
+    floor = np.stack([np.cos(angle), np.sin(angle), 0.0 * angle], axis=1)
+    ceiling, card = floor[::-1] + [0.1, 0.0, 1.0], 0.2 * floor[:3] + [0.0, 0.0, 0.5]
+    wall = np.array([[1.2, -1.0, -0.5], [1.2, -1.0, 1.0], [1.2, 1.0, 1.0]])
+    far = ceiling + [0.0, 0.0, 30.0]
+    for method in METHODS:
+        drawn = method in ("quasi-hemisphere", "hemicube", "hemisphere")
+        found = form_factor(
+            floor,
+            [ceiling, wall, far],
+            occluders=[card],
+            method=method,
+            samples=2 if drawn else 64,
+            resolution=8,
+            visibility_tolerance=0.5,
+            device=device,
+        )
+        assert found.value[0] > 0.1 and ((found.value >= 0.0) & (found.value < 0.8)).all()
+        assert found.visibility[0] < 1.0
