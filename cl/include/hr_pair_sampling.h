@@ -54,6 +54,35 @@ inline double3 hr_point_on_polygon(const uint polygon, const double2 u, HR_POLYG
     return origin + far * (one + u.y * (other - one));
 }
 
+/* Distance of a point from a segment, squared. */
+HR_FORCE_INLINE double hr_segment_distance2(const double3 point, const double3 start, const double3 step)
+{
+    const double length2 = hr_dot_d(step, step);
+    double t = length2 > 0.0 ? hr_dot_d(point - start, step) / length2 : 0.0;
+    t = t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
+    const double3 off = start + t * step - point;
+    return hr_dot_d(off, off);
+}
+
+/* Distance of a point from a convex polygon, squared. */
+inline double hr_polygon_distance2(const double3 x, const uint polygon, HR_POLYGON_PARAMS)
+{
+    const size_t row = (size_t)polygon * HR_CORNERS;
+    const double3 n = hr_row_d(polygon_normal, polygon);
+    const uint count = polygon_count[polygon];
+    double3 a = hr_row_d(polygon_corner, row + count - 1);
+    double nearest = INFINITY;
+    int inside = 1;
+    for (uint k = 0; k < count; ++k) {
+        const double3 b = hr_row_d(polygon_corner, row + k);
+        inside = inside && hr_dot_d(hr_cross_d(b - a, x - a), n) >= 0.0;
+        nearest = hr_smaller_d(nearest, hr_segment_distance2(x, a, b - a));
+        a = b;
+    }
+    const double height = hr_dot_d(x - a, n);
+    return inside ? height * height : nearest;
+}
+
 /* 1 when the segment from x along d goes through a convex polygon at 0 < t < 1; its ends do not count. */
 inline int hr_segment_blocked(const double3 x, const double3 d, const double flat, const uint polygon,
                               HR_POLYGON_PARAMS)

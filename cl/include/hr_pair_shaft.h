@@ -14,16 +14,6 @@
 /* Heights over an occluder below this share of the distances involved are rounding: what touches it, it does not hide. */
 #define HR_ON_OCCLUDER 1.0e-12
 
-/* Distance of a point from a segment, squared. */
-HR_FORCE_INLINE double hr_segment_distance2(const double3 point, const double3 start, const double3 step)
-{
-    const double length2 = hr_dot_d(step, step);
-    double t = length2 > 0.0 ? hr_dot_d(point - start, step) / length2 : 0.0;
-    t = t < 0.0 ? 0.0 : t > 1.0 ? 1.0 : t;
-    const double3 off = start + t * step - point;
-    return hr_dot_d(off, off);
-}
-
 /* Of 32 occluders, those that may come between p and q: they reach in front of both; the plane of none of them has
    both on one side, which would part it from their hull; and their spheres meet the hull of the pair's spheres. */
 inline uint hr_candidates(const uint p, const uint q, const uint word, const uint first_occluder, HR_SIDES_PARAMS,

@@ -18,6 +18,9 @@ _ORDERS: Final = (1, 2, 4, 8, LARGEST_ORDER)
 def hemisphere_exchange(pairs: Pairs, tolerance: float, points: int | None = None) -> Estimate:
     """A F of pairs, by ``points × points`` Gauss points on each quadrilateral of the first polygon.
 
+    The error is a change between two numbers of points. Where the polygons are nearer to each other than the points
+    are, both may miss the same, and it is too small: that is a place for the contour integral.
+
     Parameters
     ----------
     pairs : Pairs

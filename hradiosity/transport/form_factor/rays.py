@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import numpy as np
+from numpy.typing import NDArray
+
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
-from hradiosity.transport.form_factor.sampling import Sampling, sampled_exchange
+from hradiosity.transport.form_factor.sampling import Sampling, run_sampler, sampled_exchange
 
 
 def ray_exchange(pairs: Pairs, sampling: Sampling) -> Estimate:
@@ -11,4 +14,8 @@ def ray_exchange(pairs: Pairs, sampling: Sampling) -> Estimate:
 
     Each ray counts 1 or 0, so that no variance is infinite, but a small share takes many rays.
     """
-    return sampled_exchange(pairs, "trace_exchange", sampling)
+    return sampled_exchange(pairs, _trace, sampling)
+
+
+def _trace(pairs: Pairs, samples: int, sampling: Sampling) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    return run_sampler(pairs, "trace_exchange", samples, sampling), np.zeros(len(pairs))

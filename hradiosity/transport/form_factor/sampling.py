@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Final, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device.device import DeviceArray
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
 
 Sequence = Literal["sobol", "random"]
@@ -17,7 +19,7 @@ STUDENT: Final = 2.365
 MOST_SAMPLES: Final = 2**20
 _FIRST_SAMPLES: Final = 2**10
 SEEN_NOTHING: Final = 3.0
-"""What n samples never met has a share below 3 / n, with 95 % confidence."""
+"""What n samples never met, or never missed, has a share below 3 / n or above 1 - 3 / n, with 95 % confidence."""
 
 
 @dataclass(frozen=True)
@@ -42,24 +44,39 @@ class Sampling:
         return tuple(_FIRST_SAMPLES * 4**k for k in range(int(np.log2(MOST_SAMPLES // _FIRST_SAMPLES)) // 2 + 1))
 
 
-def sampled_exchange(pairs: Pairs, kernel: str, sampling: Sampling) -> Estimate:
-    """A F of pairs by one of the kernels of ``pair_sampling.cl``; the error is a 95 % half width."""
+Sampler = Callable[[Pairs, int, Sampling], tuple[NDArray[np.float64], NDArray[np.float64]]]
+"""From pairs, samples a replicate and the rest: A F (n_pairs, replicates), and what all may miss (n_pairs,) [m²]."""
+
+
+def sampled_exchange(pairs: Pairs, sample: Sampler, sampling: Sampling) -> Estimate:
+    """A F of pairs, with as many samples as it takes; the error is a 95 % half width.
+
+    Where samples are doubled until it is small, the last step counts as error too if it was larger: intervals that are
+    short by chance would be the ones that stop.
+    """
     n = len(pairs)
     value, error = np.zeros(n), np.full(n, np.inf)
+    before = np.full(n, np.nan)
     for samples in sampling.counts():
         open_ = np.flatnonzero(error > sampling.tolerance * value)
         if len(open_) == 0:
             break
         part = pairs.subset(open_)
-        rows = _replicates(part, kernel, samples // REPLICATES, sampling)
+        rows, unseen = sample(part, samples // REPLICATES, sampling)
         value[open_] = rows.mean(axis=1)
         smaller = np.minimum(part.polygons.area[part.first], part.polygons.area[part.second])
-        unseen = np.where(rows.any(axis=1), 0.0, SEEN_NOTHING / samples * smaller)
-        error[open_] = half_width(rows) + unseen
-    return pairs_clipped(pairs, value, error)
+        never = np.where(np.ptp(rows, axis=1) > 0.0, 0.0, SEEN_NOTHING / samples * smaller)
+        step = np.nan_to_num(np.abs(value[open_] - before[open_]))
+        error[open_] = np.minimum(np.maximum(half_width(rows), step) + never + unseen, smaller)
+        before[open_] = value[open_]
+    most = np.minimum(pairs.polygons.area[pairs.first], pairs.polygons.area[pairs.second])
+    return Estimate(np.minimum(value, most), error)
 
 
-def _replicates(pairs: Pairs, kernel: str, samples: int, sampling: Sampling) -> NDArray[np.float64]:
+def run_sampler(
+    pairs: Pairs, kernel: str, samples: int, sampling: Sampling, **outputs: DeviceArray
+) -> NDArray[np.float64]:
+    """(n_pairs, replicates) A F [m²] by one of the kernels of ``pair_sampling.cl``."""
     device = pairs.device
     exchange = device.empty((len(pairs), REPLICATES), np.float64)
     device.kernel("pair_sampling", kernel, **pairs.corner_definitions)(
@@ -71,6 +88,7 @@ def _replicates(pairs: Pairs, kernel: str, samples: int, sampling: Sampling) -> 
         sequence=int(sampling.sequence == "sobol"),
         seed=sampling.seed,
         exchange=exchange,
+        **outputs,
     )
     rows: NDArray[np.float64] = device.fetch(exchange)
     return rows
@@ -80,9 +98,3 @@ def half_width(rows: NDArray[np.float64]) -> NDArray[np.float64]:
     """95 % half width of the mean of each row of replicates."""
     width: NDArray[np.float64] = STUDENT * rows.std(axis=1, ddof=1) / np.sqrt(rows.shape[1])
     return width
-
-
-def pairs_clipped(pairs: Pairs, value: NDArray[np.float64], error: NDArray[np.float64]) -> Estimate:
-    """Values no larger than the smaller area."""
-    most = np.minimum(pairs.polygons.area[pairs.first], pairs.polygons.area[pairs.second])
-    return Estimate(np.minimum(value, most), error)
