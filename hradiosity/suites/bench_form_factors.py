@@ -59,7 +59,7 @@ def run_catalogue(device: Device, entries: Sequence[dict[str, Any]]) -> list[Cat
     for method in METHODS:
         found = form_factor(a, b, method=method, device=device)
         error = np.abs(found.value - exact)
-        worst = {name: float((error / exact)[category == name].max()) for name in np.unique(category)}
+        worst = {name: float((error / exact)[category == name].max()) for name in sorted(set(category.tolist()))}
         within = float((error <= found.error + 4e-16).mean())
         rows.append(CatalogueRow(method, worst, within, _pair_cost(device, a, b, method)))
     return rows
