@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from hradiosity.errors import SceneError as SceneError
     from hradiosity.io.scene_toml import load_scene as load_scene
     from hradiosity.options import Options as Options
-    from hradiosity.radiosity.solver import solve as solve
+    from hradiosity.radiosity import solve as solve
     from hradiosity.solution import Solution as Solution
     from hradiosity.transport.form_factor.interface import FormFactors as FormFactors
     from hradiosity.transport.form_factor.interface import form_factor as form_factor
@@ -30,7 +30,7 @@ _HOMES = {
     "form_factor": "hradiosity.transport.form_factor.interface",
     "form_factor_matrix": "hradiosity.transport.form_factor.interface",
     "load_scene": "hradiosity.io.scene_toml",
-    "solve": "hradiosity.radiosity.solver",
+    "solve": "hradiosity.radiosity",
 }
 
 __all__ = [

@@ -14,14 +14,12 @@ SolverName = Literal[
 QUALITIES: Final = MappingProxyType(
     {
         "draft": {
-            "elements": 2500,
-            "rays_per_element": 64,
-            "light_points": 16,
+            "elements": 4000,
             "gather_samples": 1024,
             "light_samples": 64,
         },
         "normal": {},
-        "fine": {"elements": 12000, "gather_samples": 16384, "light_samples": 1024},
+        "fine": {"elements": 16000, "light_points": 32, "gather_samples": 16384, "light_samples": 1024},
     }
 )
 """What each quality sets apart from the defaults; README tells what each costs."""
@@ -37,8 +35,8 @@ class Options:
     light_points : points on each row element from which a ray goes to each emitter, all replicates together
     light_samples : shadow rays from a reading to each emitter, all replicates together
     gather_samples : paths from a reading, all replicates together
-    lookup : hit of a path at which the solution is looked up, 2 or 3; the third halves the error of coarse elements
-        and costs about half as much again
+    lookup : hit of a path at which the solution is looked up, 2 or 3; the third halves the error of coarse elements,
+        adds noise and costs about half as much again: more elements are the cheaper way
     replicates : independent runs whose spread gives the intervals, at least 2
     accuracy : wanted half width of the 95 % interval over the value; more replicates are added until it is reached
     time : wall seconds after which no further replicate starts
@@ -55,13 +53,13 @@ class Options:
     hemicube_resolution : pixels along an edge of a hemicube's top face, even and at least 8; of the classic mode
     """
 
-    elements: int = 4000
+    elements: int = 8000
     element_size: float | None = None
-    rays_per_element: int = 128
-    light_points: int = 32
+    rays_per_element: int = 64
+    light_points: int = 16
     light_samples: int = 256
     gather_samples: int = 4096
-    lookup: Literal[2, 3] = 3
+    lookup: Literal[2, 3] = 2
     replicates: int = 4
     accuracy: float | None = None
     time: float | None = None

@@ -4,11 +4,11 @@ from hradiosity.device import Device
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
-from hradiosity.radiosity.classic import ClassicSolver
-from hradiosity.radiosity.solver import RadiositySolver, solve
+from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.radiosity.state import State
+from hradiosity.solution import Solution
 
-__all__ = ["ClassicSolver", "RadiositySolver", "State", "make_solver", "solve"]
+__all__ = ["RadiositySolver", "State", "make_solver", "solve"]
 
 
 def make_solver(
@@ -18,5 +18,16 @@ def make_solver(
     calibration: Calibration | ClassicCalibration | None = None,
 ) -> RadiositySolver:
     """The solver that ``options.mode`` (``--mode`` of the command line) names; both are used alike."""
-    kind = ClassicSolver if options.mode == "classic" else RadiositySolver
-    return kind(scene, options, device, calibration)
+    if options.mode == "classic":
+        from hradiosity.radiosity.classic import ClassicSolver
+
+        return ClassicSolver(scene, options, device, calibration)
+    return RadiositySolver(scene, options, device, calibration)
+
+
+def solve(scene: Scene, options: Options | None = None, device: Device | None = None) -> Solution:
+    """Light everywhere in the scene; see `make_solver` to follow the run or to read further points."""
+    solver = make_solver(scene, options or Options(), device or Device())
+    for _ in solver.states():
+        pass
+    return solver.solution()

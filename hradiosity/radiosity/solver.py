@@ -36,14 +36,6 @@ KEPT_BYTES = 256 * 2**20
 """Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
 
 
-def solve(scene: Scene, options: Options | None = None, device: Device | None = None) -> Solution:
-    """Light everywhere in the scene; see `RadiositySolver` to follow the run or to read further points."""
-    solver = RadiositySolver(scene, options or Options(), device or Device())
-    for _ in solver.states():
-        pass
-    return solver.solution()
-
-
 class RadiositySolver:
     """One run that can be followed state by state, interrupted, resumed, and asked for its solution at any time.
 

@@ -15,7 +15,7 @@ from hradiosity.options import Options
 from hradiosity.planning import make_plan
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
 from hradiosity.readings.paths import trace_referee
-from hradiosity.readings.sensors import read_points
+from hradiosity.readings.sensors import PathRules, read_points
 from hradiosity.show.camera import trace_view
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import build_elements

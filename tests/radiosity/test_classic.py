@@ -16,7 +16,8 @@ from box_rooms import (
 
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.options import Options
-from hradiosity.radiosity import ClassicSolver, RadiositySolver, make_solver
+from hradiosity.radiosity import RadiositySolver, make_solver
+from hradiosity.radiosity.classic import ClassicSolver
 from hradiosity.reference.point_factors import points_to_polygon
 
 UP = np.array([[0.0, 0.0, 1.0]])

@@ -9,7 +9,8 @@ from hradiosity.io.calibration import CACHE_VARIABLE, load_calibration, measure,
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.planning_classic import pixels_drawn, products
-from hradiosity.radiosity import ClassicSolver, RadiositySolver
+from hradiosity.radiosity import RadiositySolver
+from hradiosity.radiosity.classic import ClassicSolver
 from hradiosity.radiosity.shooting import ShootingPoints, ShootingRows
 from hradiosity.transport.form_factor.hemicube import Views
 
