@@ -16,6 +16,7 @@ from hradiosity.model.scene import View
 from hradiosity.show.camera import ABOVE, PicturePoints, ViewHits, picture_points, trace_view
 from hradiosity.show.exposure import Developed, develop, pixel_means, to_bytes
 from hradiosity.show.light import PictureScene, RowLight, paint_colours, picture_scene, row_light, shadow_channels
+from hradiosity.show.row_gather import gather_rows
 from hradiosity.show.scale_bar import Scale, false_colours, with_scale_bar
 from hradiosity.show.seams import level_seams
 from hradiosity.show.shading import flat_light, line_mask, locate, refinement_goal, smooth_light
@@ -136,7 +137,8 @@ def prepare_drawing(
     lux = np.einsum("rb,b->r", solution.surfaces.irradiance, luminous_weights(scene.bands))
     goal = refinement_goal(picture, hits, LEAF_PIXELS * PER_PIXEL, lux)
     shadow = refine_shadows(on_device, sampled_scene(scene, solution.plan.weak_emitters), goal, refinement)
-    rows = level_seams(picture, on_device.bvh, row_light(picture, solution, shadow))
+    gathered = gather_rows(solution, on_device)
+    rows = level_seams(picture, on_device.bvh, row_light(picture, solution, shadow, gathered))
     at_vertex = shadow_channels(picture, shadow)
     sky = np.zeros(3) if scene.sky is None else np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))
     return [

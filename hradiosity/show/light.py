@@ -125,8 +125,15 @@ def shadow_channels(picture: PictureScene, shadow: ShadowLight) -> NDArray[np.fl
     return channels
 
 
-def row_light(picture: PictureScene, solution: Solution, shadow: ShadowLight | None) -> RowLight:
+def row_light(
+    picture: PictureScene,
+    solution: Solution,
+    shadow: ShadowLight | None,
+    gathered: NDArray[np.float64] | None = None,
+) -> RowLight:
     """Light of the row elements; the indirect part also at the corners of cells.
+
+    There it comes from `gathered` (n_rows, n_bands), see `hradiosity.show.row_gather`, if that is given.
 
     With a sky, direct light of the sky goes with the indirect light, as the rows' direct light less that of the
     leaves, since leaves know the emitters' light only.
@@ -135,9 +142,11 @@ def row_light(picture: PictureScene, solution: Solution, shadow: ShadowLight | N
     material = elements.row_material
     direct = reflected_channels(scene, material, surfaces.direct)
     indirect = reflected_channels(scene, material, surfaces.irradiance - surfaces.direct)
+    smooth = indirect if gathered is None else reflected_channels(scene, material, gathered)
     if scene.sky is not None and shadow is not None:
-        indirect += np.maximum(direct - _row_means(picture, shadow, direct), 0.0)
-    vertex, at_vertex = _corner_means(picture, solution, indirect)
+        of_sky = np.maximum(direct - _row_means(picture, shadow, direct), 0.0)
+        indirect, smooth = indirect + of_sky, smooth + of_sky
+    vertex, at_vertex = _corner_means(picture, solution, smooth)
     return RowLight(direct, indirect, vertex, at_vertex)
 
 
