@@ -21,6 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
+from hradiosity.suites.bench.figure import CPU, ERROR, MICROSECONDS, Figure, exact_figure, figure_of
+from hradiosity.suites.bench.session import Session, cpu_seconds
 from hradiosity.suites.validation.data import form_factors
 from hradiosity.transport.form_factor.interface import FormFactors, form_factor, form_factor_matrix
 from hradiosity.transport.form_factor.methods import METHODS, Method
@@ -28,6 +30,8 @@ from hradiosity.transport.form_factor.methods import METHODS, Method
 BOX_TOLERANCES: Final = (1e-1, 1e-2, 1e-3, 1e-4, 1e-6)
 _COPIES: Final = 64
 """The catalogue is computed so many times in one call, so that launches do not count."""
+_SWIFT: Final = ("auto", "contour", "point", "point-disk")
+"""Methods for which launches would count."""
 
 
 @dataclass(frozen=True)
@@ -66,7 +70,7 @@ def run_catalogue(device: Device, entries: Sequence[dict[str, Any]]) -> list[Cat
 
 
 def _pair_cost(device: Device, a: list[NDArray[np.float64]], b: list[NDArray[np.float64]], method: Method) -> float:
-    copies = _COPIES if method in ("auto", "contour", "point", "point-disk") else 1
+    copies = _COPIES if method in _SWIFT else 1
     seconds = _best_seconds(lambda: form_factor(a * copies, b * copies, method=method, device=device), 2)
     return seconds / (copies * len(a)) * 1e6
 
@@ -119,13 +123,55 @@ def run_peer(squares: NDArray[np.float64], exact: NDArray[np.float64]) -> BoxRow
 
 
 def _best_seconds(work: Callable[[], object], turns: int) -> float:
-    work()
-    best = np.inf
-    for _ in range(turns):
-        start = time.process_time()
-        work()
-        best = min(best, time.process_time() - start)
-    return best
+    return min(cpu_seconds([work], turns)[0])
+
+
+def measure(session: Session) -> list[Figure]:
+    """Each method on the catalogue, and the empty box beside pyviewfactor where that is installed."""
+    return _measured_methods(session) + _measured_box(session)
+
+
+def _measured_methods(session: Session) -> list[Figure]:
+    """CPU time of a pair, and the largest relative error of the catalogue but for its near-singular entries."""
+    seen = [e for e in form_factors() if e["kind"] == "polygon-polygon" and float(e["F12"]) > 0.0]
+    a, b = ([np.array(e[key], np.float64) for e in seen] for key in ("poly1", "poly2"))
+    exact = np.array([float(e["F12"]) for e in seen])
+    regular = np.array([e["category"] != "near-singular" for e in seen])
+    figures = []
+    for method in METHODS:
+        copies = _COPIES if method in _SWIFT else 1
+
+        def work(method: Method = method, copies: int = copies) -> object:
+            return form_factor(a * copies, b * copies, method=method, device=session.device)
+
+        spent = cpu_seconds([work], 3 if method in _SWIFT else 2)[0]
+        pairs = copies * len(a)
+        figures.append(figure_of(f"form factors: {method}, a pair", [t / pairs * 1e6 for t in spent], MICROSECONDS))
+        found = form_factor(a, b, method=method, device=session.device).value
+        worst = float((np.abs(found - exact) / exact)[regular].max())
+        figures.append(exact_figure(f"form factors: {method}, worst of the catalogue", worst, ERROR))
+    return figures
+
+
+def _measured_box(session: Session) -> list[Figure]:
+    """The empty box at two tolerances; the peer once only, since it takes long."""
+    squares = box_squares(10 if session.quick else 20)
+    exact = form_factor_matrix(squares, method="contour", tolerance=1e-10, device=session.device).value
+    figures = []
+    for tolerance in (1e-3, 1e-6):
+
+        def solve(tolerance: float = tolerance) -> FormFactors:
+            return form_factor_matrix(squares, tolerance=tolerance, device=session.device)
+
+        name = f"form factors: box of {len(squares)} squares, auto {tolerance:g}"
+        error = float(np.linalg.norm(solve().value - exact) / np.linalg.norm(exact))
+        figures.append(figure_of(name, cpu_seconds([solve], session.turns)[0], CPU))
+        figures.append(exact_figure(f"{name}, Frobenius", error, ERROR))
+    if session.has_peer("pyviewfactor"):
+        peer = run_peer(squares, exact)
+        name = f"form factors: box of {len(squares)} squares, pyviewfactor"
+        figures += [figure_of(name, [peer.seconds], CPU), exact_figure(f"{name}, Frobenius", peer.error, ERROR)]
+    return figures
 
 
 def _print_catalogue(rows: Sequence[CatalogueRow]) -> None:

@@ -24,6 +24,8 @@ from hradiosity.model.geometry import Patches
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.visibility import trace_any, trace_closest
+from hradiosity.suites.bench.figure import RATIO, SPEED, Figure, figure_of
+from hradiosity.suites.bench.session import Session, cpu_seconds
 from hradiosity.suites.bench_rooms import DENSE, SPARSE, furnished_room
 
 _OFFSET = 1e-4
@@ -115,14 +117,7 @@ def shadow_rays(patches: Patches, n: int, rng: np.random.Generator) -> Rays:
 
 def best_cpu_seconds(works: Sequence[Callable[[], object]], turns: int) -> list[float]:
     """Shortest time of each of `works` over `turns` turns, after one that is not counted."""
-    best = [np.inf] * len(works)
-    for turn in range(turns + 1):
-        for i, work in enumerate(works):
-            start = time.process_time()
-            work()
-            if turn > 0:
-                best[i] = min(best[i], time.process_time() - start)
-    return best
+    return [min(seconds) for seconds in cpu_seconds(works, turns)]
 
 
 def kernel_run(bvh: Bvh, kernel: str, rays: Rays) -> Callable[[], None]:
@@ -190,6 +185,41 @@ def _speed(
         ratio_kernel=alone / embree,
         agreement=float((theirs(rays) == ours(rays)).mean()),
     )
+
+
+def measure(session: Session) -> list[Figure]:
+    """Speeds in the dense room, beside Embree where that is installed; ratios are taken turn by turn."""
+    patches = furnished_room(DENSE)
+    bvh = build_bvh(session.device, patches)
+    rng = np.random.default_rng(2)
+    n = 200_000 if session.quick else 1_000_000
+    embree = EmbreeRoom(patches) if session.has_peer("embreex") else None
+    diffuse, shadow = diffuse_rays(patches, n, rng), shadow_rays(patches, n, rng)
+    figures = _measured("closest, diffuse", diffuse, bvh, "trace_closest", embree, session.turns)
+    return figures + _measured("any, surface to surface", shadow, bvh, "trace_any", embree, session.turns)
+
+
+def _measured(rays_name: str, rays: Rays, bvh: Bvh, kernel: str, embree: EmbreeRoom | None, turns: int) -> list[Figure]:
+    """Figures of one kind of rays: the whole host call, the kernel alone, and the peer."""
+    is_closest = kernel == "trace_closest"
+
+    def call() -> object:
+        if is_closest:
+            return trace_closest(bvh, rays.origin, rays.direction)
+        return trace_any(bvh, rays.origin, rays.direction, rays.t_max)
+
+    works: dict[str, Callable[[], object]] = {"call": call, "kernel": kernel_run(bvh, kernel, rays)}
+    if embree is not None:
+        peer = embree.closest if is_closest else embree.any
+        works["Embree"] = lambda: peer(rays)
+    spent = dict(zip(works, cpu_seconds(list(works.values()), turns)))
+    millions = len(rays.origin) / 1e6
+    name = f"rays: {rays_name}, "
+    figures = [figure_of(name + key, [millions / t for t in seconds], SPEED) for key, seconds in spent.items()]
+    if embree is not None:
+        ratios = [theirs / ours for theirs, ours in zip(spent["Embree"], spent["call"])]
+        figures.append(figure_of(name + "call to Embree", ratios, RATIO))
+    return figures
 
 
 def main() -> None:

@@ -29,6 +29,8 @@ SPARSE = Furniture(desks=14, books=130, lamps=9, rings=6)
 """About 4 000 triangles."""
 DENSE = Furniture(desks=50, books=1500, lamps=20, rings=19)
 """About 50 000 triangles."""
+HUGE = Furniture(desks=100, books=2867, lamps=19, rings=28)
+"""100 000 triangles, the room's own included."""
 
 
 def furnished_room(furniture: Furniture, seed: int = 1) -> Patches:

@@ -26,6 +26,8 @@ from hradiosity.solvers.deflation import deflation_vectors
 from hradiosity.solvers.dense import DIRECT_SOLVERS, backward_error, gaussian_elimination, invert_by_blocks
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Convergence, Progress, Watch
+from hradiosity.suites.bench.figure import CPU, PRODUCTS, Figure, exact_figure, figure_of
+from hradiosity.suites.bench.session import Session
 from hradiosity.suites.solver_rooms import SolverRoom, furnished, two_rooms
 
 LEVELS: Final = (1e-3, 1e-6)
@@ -104,6 +106,28 @@ def seconds(device: Device, room: SolverRoom, mean: float, solver: str) -> tuple
     _run(operator, solver, np.zeros_like(reflectance), direct, 1e-3)
     account = _run(operator, solver, reflectance, direct, 1e-3)
     return account.seconds if account.converged else np.inf, account.products
+
+
+def measure(session: Session) -> list[Figure]:
+    """Products to an error of 1e-3 in two rooms, and CPU seconds, each solver."""
+    device = session.device
+    room, pair = furnished(device), two_rooms(device)
+    chosen = [Case("ρ 0.95", room, np.full(len(room.direct), 0.95))]
+    if not session.quick:
+        chosen.append(Case("two rooms 0.8", pair, np.full(len(pair.direct), 0.8)))
+    figures = []
+    for case in chosen:
+        for solver in ITERATIVE:
+            products = follow(device, case, solver).products_to(LEVELS[0])
+            if np.isfinite(products):
+                figures.append(exact_figure(f"solvers: {solver}, {case.name} to 1e-3", products, PRODUCTS))
+    large = room if session.quick else furnished(device, 0.24)
+    for solver in ITERATIVE if session.quick else (*ITERATIVE, *DIRECT_SOLVERS):
+        used, turns = (room, 2) if solver in DIRECT_SOLVERS else (large, 3)
+        spent = [seconds(device, used, 0.95, solver)[0] for _ in range(turns)]
+        if np.isfinite(spent).all():
+            figures.append(figure_of(f"solvers: {solver}, {len(used.direct)} elements, {COLUMNS} bands", spent, CPU))
+    return figures
 
 
 def inversion_errors(device: Device, room: SolverRoom, level: float) -> list[tuple[int, float, float]]:
