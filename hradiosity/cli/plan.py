@@ -18,6 +18,7 @@ def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False
     json
         One JSON object instead of words.
     """
+    from hradiosity.cli.expected import accuracy_lines
     from hradiosity.cli.text import note_lines
     from hradiosity.device import Device
     from hradiosity.io.calibration import load_calibration
@@ -34,6 +35,8 @@ def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False
     if json:
         print(to_json(plan_record(made)))
         return 0
-    for line in (*note_lines(solver.notes, all_of_them=True), *made.lines(), f"device: {device.description}"):
+    expected = accuracy_lines(loaded, options, device.description)
+    remarks = note_lines(solver.notes, all_of_them=True)
+    for line in (*remarks, *made.lines(), *expected, f"device: {device.description}"):
         print(line)
     return 0

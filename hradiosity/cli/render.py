@@ -55,7 +55,7 @@ def render(
     return run(
         Request(
             scene=scene,
-            out=out if out is not None else Path("results") / _name(scene),
+            out=out if out is not None else Path("results") / name_of(scene),
             options=replace(chosen.options(), pictures=pictures),
             device=chosen.device,
             resume=resume,
@@ -67,7 +67,7 @@ def render(
     )
 
 
-def _name(scene: Path) -> str:
+def name_of(scene: Path) -> str:
     """The scene's folder, or its file without suffix unless that is ``scene.toml``."""
     path = scene.resolve()
     if path.suffix == ".toml":

@@ -11,6 +11,7 @@ from typing import Any
 
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.display import Display, Expectation, open_display
+from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
 from hradiosity.cli.live_files import LiveFiles
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
@@ -99,7 +100,8 @@ class _Session:
             self._announce_builds()
             plan = self._solver.plan
             display.lines(note_lines(self._solver.notes))
-            display.lines(plan.lines(), title="Plan")
+            expected = accuracy_lines(self.scene, self.request.options, self._device.description)
+            display.lines([*plan.lines(), *expected], title="Plan")
             display.data("plan", plan_record(plan))
             digest = run_digest(self.scene, plan, self.request.options, self._device.description)
             if self.request.resume:

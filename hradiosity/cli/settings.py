@@ -61,6 +61,8 @@ class Settings:
         Whether lamps are left to the rays that meet them, without shadow rays; auto: where they are weak or even.
     mode
         How light is exchanged: rays, or classic for hemicubes, shooting and adaptive subdivision.
+    hemicube_resolution
+        Pixels along an edge of a hemicube's top face, in the classic mode; even.
     solver
         What solves for the light on the surfaces: conjugate gradients (cg), progressive shooting (southwell), the same
         with overshooting, jacobi, gauss-seidel; gaussian-elimination and block-inversion for small scenes; or auto,
@@ -87,6 +89,7 @@ class Settings:
     interreflection: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     glow: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     mode: Annotated[Mode, Parameter(group=EFFECTS)] = Options.mode
+    hemicube_resolution: Annotated[int, Parameter(group=EFFECTS)] = Options.hemicube_resolution
     solver: Annotated[SolverName, Parameter(group=EFFECTS)] = Options.solver
     blocks: Annotated[int, Parameter(group=EFFECTS)] = Options.blocks
     device: str | None = None
@@ -112,6 +115,7 @@ class Settings:
                 glow=self.glow.forced,
                 seed=self.seed,
                 mode=self.mode,
+                hemicube_resolution=self.hemicube_resolution,
                 solver=self.solver,
                 blocks=self.blocks,
             )

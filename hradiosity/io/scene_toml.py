@@ -23,13 +23,15 @@ from hradiosity.model.spectrum import Bands
 SCENE_FILE = "scene.toml"
 
 
-def load_scene(path: str | Path) -> Scene:
+def load_scene(path: str | Path, *, bands: Bands | None = None) -> Scene:
     """Read and check a scene.
 
     Parameters
     ----------
     path : path of a folder with ``scene.toml``, or of the file
         The files that it names are looked for beside it.
+    bands : Bands, optional
+        In place of those that the scene names.
 
     Returns
     -------
@@ -46,8 +48,7 @@ def load_scene(path: str | Path) -> Scene:
     report = Report(file, text)
     tables = validate(raw, report)
     frame = Frame(tables.scene.unit, tables.scene.up)
-    bands = _bands(tables.scene.bands, report)
-    scene = _build(tables, raw, frame, bands, report)
+    scene = _build(tables, raw, frame, bands or _bands(tables.scene.bands, report), report)
     if not report.faults:
         check_scene(scene, frame, report)
     report.raise_faults()

@@ -37,7 +37,7 @@ def referee_readings(
         Called after each round.
     """
     digest = scene_digest(scene)
-    kept = _load(cache, digest, seed, paths) if cache is not None else None
+    kept = load_samples(cache, digest, seed, paths) if cache is not None else None
     if kept is None:
         referee = Referee(scene, device, paths, seed)
         traced = False
@@ -48,7 +48,7 @@ def referee_readings(
                     progress(state)
         finally:
             if cache is not None and traced:
-                _save(cache, digest, seed, referee.samples())
+                save_samples(cache, digest, seed, referee.samples())
         kept = referee.samples()
     moments = ReadingMoments(scene.sensors, scene.bands)
     for spectra in kept.per_scramble:
@@ -75,7 +75,8 @@ def scene_digest(scene: Scene) -> str:
     return digest.hexdigest()
 
 
-def _save(path: Path, digest: str, seed: int, samples: RefereeSamples) -> None:
+def save_samples(path: Path, digest: str, seed: int, samples: RefereeSamples) -> None:
+    """Keep samples in an ``.npz`` file, with what they belong to."""
     np.savez(
         path,
         digest=digest,
@@ -88,7 +89,7 @@ def _save(path: Path, digest: str, seed: int, samples: RefereeSamples) -> None:
     )
 
 
-def _load(path: Path, digest: str, seed: int, paths: int) -> RefereeSamples | None:
+def load_samples(path: Path, digest: str, seed: int, paths: int) -> RefereeSamples | None:
     """What the file holds; None when there is none, or it is of another scene or seed, or of fewer paths."""
     if not path.is_file():
         return None

@@ -1,0 +1,1 @@
+"""What accuracy costs in time on a scene: every setting measured against unbiased paths."""

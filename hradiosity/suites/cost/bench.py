@@ -1,0 +1,138 @@
+"""Runs settings on a scene and says what they took."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import dataclass, replace
+
+from hradiosity.device import Device
+from hradiosity.io.calibration import load_calibration, measure
+from hradiosity.model.scene import Scene
+from hradiosity.plan import ClassicCalibration, Plan
+from hradiosity.planning_classic import pixels_drawn
+from hradiosity.radiosity import RadiositySolver, make_solver
+from hradiosity.readings.paths import RefereeSamples
+from hradiosity.suites.cost.memory import PeakMemory
+from hradiosity.suites.cost.reference import GrowingReference
+from hradiosity.suites.cost.settings import Setting
+from hradiosity.suites.cost.values import Run
+from hradiosity.suites.cost.work import predict, work_of, work_of_plan
+
+UNMEASURED = ClassicCalibration(seconds_per_pixel=5e-8, seconds_per_product=1.5e-9)
+"""Of the classic mode on two cores, for devices on which it never ran; the first run of it replaces them."""
+
+
+@dataclass
+class Started:
+    """A setting whose geometry and plan are ready.
+
+    predicted : wall seconds until it is done; None when nothing of its mode was measured
+    """
+
+    setting: Setting
+    seed: int
+    solver: RadiositySolver
+    plan: Plan
+    predicted: float | None
+    memory: PeakMemory
+    begun: float
+
+
+class SceneBench:
+    """Everything that is run on one scene, and the clock that it is measured with.
+
+    Parameters
+    ----------
+    scene : Scene
+    device : Device
+    kept : RefereeSamples, optional
+        See `GrowingReference`.
+    """
+
+    def __init__(self, scene: Scene, device: Device, kept: RefereeSamples | None = None) -> None:
+        self.scene, self.device = scene, device
+        self.reference = GrowingReference(scene, device, kept)
+        self._base: Run | None = None
+        speed = load_calibration(device.description, "classic")
+        self._classic = speed if isinstance(speed, ClassicCalibration) else UNMEASURED
+        self._classic_plan: Plan | None = None
+
+    def clock(self) -> float:
+        """Wall seconds."""
+        return time.perf_counter()
+
+    def guess(self, setting: Setting) -> float | None:
+        """Wall seconds that a setting will take, before its geometry is made; None when nothing is known."""
+        options = setting.options
+        if options.mode == "classic":
+            return None if self._classic_plan is None else self._classic_seconds(self._classic_plan, setting)
+        if self._base is None:
+            return None
+        elements = self._base.elements * options.elements / self._base.setting.options.elements
+        return self._predict(work_of(elements, options, **self._sizes))
+
+    def start(self, setting: Setting, seed: int = 0, scene: Scene | None = None) -> Started:
+        """Make geometry and plan.
+
+        Raises
+        ------
+        SceneError
+            When the setting is impossible for the scene.
+        """
+        memory, begun = PeakMemory(), time.perf_counter()
+        solver = make_solver(scene or self.scene, replace(setting.options, seed=seed), self.device)
+        plan = solver.plan
+        predicted: float | None = None
+        if setting.options.mode == "classic":
+            self._classic_plan = plan
+            predicted = self._classic_seconds(plan, setting)
+        elif self._base is not None:
+            predicted = self._predict(work_of_plan(plan, setting.options))
+        return Started(setting, seed, solver, plan, predicted, memory, begun)
+
+    def finish(self, started: Started) -> Run:
+        """Run what was started."""
+        solver, setting = started.solver, started.setting
+        for _ in solver.states():
+            pass
+        solution = solver.solution()
+        record = solution.record
+        if setting.options.mode == "classic":
+            measured = measure(solution)
+            self._classic = measured if isinstance(measured, ClassicCalibration) else self._classic
+        work = {} if setting.options.mode == "classic" else work_of_plan(started.plan, setting.options)
+        of_host = "CPU" in self.device.info.kind.upper()
+        return Run(
+            setting=setting,
+            seed=started.seed,
+            elements=len(solution.elements),
+            replicates=solution.replicates,
+            cpu_seconds=solver.cpu_seconds,
+            wall_seconds=time.perf_counter() - started.begun,
+            memory_bytes=started.memory.added() if of_host else started.plan.memory_bytes,
+            stage_seconds=dict(record["stage_seconds"]),
+            work=work,
+            readings=solution.readings,
+            convergence=record["solver"][-1] if record["solver"] else {},
+        )
+
+    def learn(self, run: Run, plan: Plan) -> None:
+        """Predict further runs from this one."""
+        self._base = run
+        self._sizes = {
+            "n_readings": plan.n_readings,
+            "n_emitters": plan.n_emitters,
+            "columns": plan.columns.n_columns,
+        }
+
+    def _predict(self, work: dict[str, float]) -> float:
+        if self._base is None:
+            raise RuntimeError("nothing was measured yet")
+        return predict(self._base.wall_seconds, self._base.stage_seconds, self._base.work, work)
+
+    def _classic_seconds(self, plan: Plan, setting: Setting) -> float:
+        """From the hemicubes and products of a plan, which hardly depend on the resolution."""
+        options = setting.options
+        drawing = plan.hemicubes * pixels_drawn(options.hemicube_resolution, plan.n_patches)
+        moved = (plan.shots + plan.hemicubes) * plan.shooters * max(plan.columns.n_columns, 1)
+        return drawing * self._classic.seconds_per_pixel + moved * self._classic.seconds_per_product

@@ -1,0 +1,136 @@
+"""The report on disk: ``cost.csv``, ``cost.json``, ``cost.md``, ``cost.png``."""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Iterable
+from dataclasses import asdict
+from pathlib import Path
+from typing import Any
+
+from hradiosity.io.output_folder import write_file
+from hradiosity.io.run_record import to_json
+from hradiosity.show.cost_plot import BandsPoint, CostPicture, CostPoint, draw_costs
+from hradiosity.suites.cost.pareto import pareto_front, quotes
+from hradiosity.suites.cost.pricing import costs_and_errors, front_of
+from hradiosity.suites.cost.values import Price, Report
+from hradiosity.suites.cost.words import (
+    Rows,
+    bands_rows,
+    effect_rows,
+    markdown,
+    price_rows,
+    recommendation,
+    reference_line,
+    skipped_lines,
+    solver_rows,
+)
+
+COLUMNS = (
+    *("setting", "group", "flags", "on_front", "cpu_s", "wall_s", "memory_bytes", "elements", "seeds"),
+    *("illuminance_rms", "illuminance_p95", "illuminance_max", "illuminance_below_noise"),
+    *("spectrum_rms", "spectrum_p95", "spectrum_max", "spectrum_below_noise", "bias", "sampling"),
+)
+
+
+def write_cost(folder: Path, report: Report) -> None:
+    """All files of a report into a folder that exists.
+
+    Raises
+    ------
+    OutputError
+        When one can't be written.
+    """
+    write_file(folder / "cost.csv", cost_table(report.prices))
+    write_file(folder / "cost.json", (to_json(cost_record(report), indent=1) + "\n").encode())
+    write_file(folder / "cost.md", "\n".join([*markdown_lines(report), ""]).encode())
+    write_file(folder / "cost.png", draw_costs(picture_of(report)))
+
+
+def cost_table(found: Iterable[Price]) -> bytes:
+    """``cost.csv``: one row a setting; errors and bias relative, without the referee's noise."""
+    text = io.StringIO(newline="")
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    for price in found:
+        writer.writerow(_cells(price))
+    return text.getvalue().encode()
+
+
+def cost_record(report: Report) -> dict[str, Any]:
+    """``cost.json``: everything."""
+    cost, error = costs_and_errors(report.prices)
+    names = [price.setting.name for price in report.prices]
+    known = {name: value for name, value in asdict(report).items() if name != "prices"}
+    return known | {
+        "prices": [dict(zip(COLUMNS, _cells(price))) for price in report.prices],
+        "recommendation": recommendation(report),
+        "quotes": [
+            asdict(one) | {"setting": None if one.setting is None else names[one.setting]}
+            for one in quotes(cost, error)
+        ],
+    }
+
+
+def tables(report: Report) -> list[tuple[str, Rows]]:
+    """Titles and rows of all tables that hold something."""
+    named = [
+        ("Settings, by rising cost (* nothing is both cheaper and better)", price_rows(report.prices)),
+        ("Solvers: the light on the surfaces, one replicate", solver_rows(report)),
+        ("Effects forced against the plan", effect_rows(report)),
+        ("Numbers of bands", bands_rows(report)),
+    ]
+    return [(title, rows) for title, rows in named if len(rows) > 1]
+
+
+def markdown_lines(report: Report) -> list[str]:
+    """The whole report as Markdown."""
+    lines = [f"# What accuracy costs: {report.scene}", "", *(f"* {line}" for line in recommendation(report)), ""]
+    lines += [reference_line(report) + ".", f"Device: {report.device}."]
+    for title, rows in tables(report):
+        lines += ["", f"## {title}", "", *markdown(rows)]
+    if report.skipped:
+        lines += ["", *(f"* {line}" for line in skipped_lines(report.skipped))]
+    return lines
+
+
+def picture_of(report: Report) -> CostPicture:
+    """What the plot shows."""
+    spectral = costs_and_errors(report.prices, spectral=True)
+    on_spectral_front = {int(k) for k in pareto_front(*spectral)}
+    on_front = front_of(report.prices)
+    points = tuple(
+        CostPoint(
+            name=price.setting.name,
+            group=price.setting.group,
+            seconds=price.cpu_seconds,
+            memory_bytes=price.memory_bytes,
+            illuminance=(price.illuminance.rms, price.illuminance.p95, price.illuminance.largest),
+            spectrum=(price.spectrum.rms, price.spectrum.p95, price.spectrum.largest),
+            illuminance_hidden=price.illuminance.below_floor,
+            spectrum_hidden=price.spectrum.below_floor,
+            on_front=k in on_front,
+            on_spectral_front=k in on_spectral_front,
+        )
+        for k, price in enumerate(report.prices)
+    )
+    bands = tuple(BandsPoint(b.bands, b.cpu_seconds, b.illuminance, b.chromaticity) for b in report.bands)
+    return CostPicture(report.scene, points, report.noise, report.spectral_noise, bands)
+
+
+def _cells(price: Price) -> tuple[Any, ...]:
+    """One row, in the order of `COLUMNS`."""
+    lux, spectrum = price.illuminance, price.spectrum
+    return (
+        *(price.setting.name, price.setting.group, price.setting.flags, price.on_front),
+        *(_short(price.cpu_seconds), _short(price.wall_seconds), price.memory_bytes, price.elements, price.seeds),
+        *(_short(lux.rms), _short(lux.p95), _short(lux.largest), lux.below_floor),
+        *(_short(spectrum.rms), _short(spectrum.p95), _short(spectrum.largest), spectrum.below_floor),
+        *(_short(price.bias), _short(price.sampling)),
+    )
+
+
+def _short(value: float) -> float:
+    """Five digits."""
+    return float(f"{value:.5g}")

@@ -1,0 +1,205 @@
+"""The report in words: recommendation and tables."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from hradiosity.suites.cost.errors import Error
+from hradiosity.suites.cost.pareto import Quote, quotes
+from hradiosity.suites.cost.pricing import costs_and_errors
+from hradiosity.suites.cost.values import Price, Report, Skipped
+
+Rows = list[tuple[str, ...]]
+
+
+def share_text(value: float) -> str:
+    """``1 %``, ``0.44 %``, ``12 %``: two digits."""
+    return f"{float(f'{100.0 * value:.2g}'):g} %"
+
+
+def seconds_text(seconds: float) -> str:
+    """``0.62 s``, ``3.2 s``, ``94 s``, ``31 min``, ``2.5 h``: two digits or so."""
+    if seconds < 99.5:
+        return f"{float(f'{seconds:.2g}'):g} s"
+    if seconds < 600.0:
+        return f"{seconds:.0f} s"
+    return f"{seconds / 60.0:.0f} min" if seconds < 7200.0 else f"{seconds / 3600.0:.2g} h"
+
+
+def recommendation(report: Report) -> list[str]:
+    """What each accuracy costs, a sentence each; of the mean error of the illuminances, in CPU seconds."""
+    found = report.prices
+    cost, error = costs_and_errors(found)
+    lines = [_quote_line(one, found) for one in quotes(cost, error)]
+    if not lines:
+        cheapest = min(found, key=lambda price: price.cpu_seconds, default=None)
+        if cheapest is None:
+            return ["nothing was measured"]
+        below = f"no error stands out from the referee's noise of {share_text(report.noise)}"
+        return [f"{below}: `{cheapest.setting.flags}` is enough, {seconds_text(cheapest.cpu_seconds)}"]
+    lines += _floor_line(report)
+    return [*lines, *_classic_line(found, report.skipped)]
+
+
+def _quote_line(quote: Quote, found: Sequence[Price]) -> str:
+    """One accuracy."""
+    start = f"{share_text(quote.target)} costs"
+    if quote.kind == "extrapolated":
+        how = "extrapolated, as if the error fell with the root of the time"
+        return f"{start} some {seconds_text(quote.seconds)}: not reached in the budget, {how}"
+    setting = found[quote.setting if quote.setting is not None else 0]
+    word = "at most" if quote.kind == "at most" else "about"
+    reached = f"{share_text(setting.illuminance.rms)} in {seconds_text(setting.cpu_seconds)}"
+    return f"{start} {word} {seconds_text(quote.seconds)}: `{setting.setting.flags}` reached {reached}"
+
+
+def _floor_line(report: Report) -> list[str]:
+    """The cheapest setting whose error the referee can't see, if there is one."""
+    hidden = [price for price in report.prices if price.illuminance.below_floor]
+    if not hidden:
+        return []
+    best = min(hidden, key=lambda price: price.cpu_seconds)
+    noise = share_text(report.noise)
+    return [f"below {noise}, the referee's own noise: `{best.setting.flags}`, {seconds_text(best.cpu_seconds)}"]
+
+
+def _classic_line(found: Sequence[Price], skipped: Sequence[Skipped]) -> list[str]:
+    """The best resolution of the classic mode, or why there is none."""
+    classic = [price for price in found if price.setting.group == "classic"]
+    left_out = [item for item in skipped if item.group == "classic" and item.predicted is not None]
+    if classic:
+        best = min(classic, key=lambda price: price.illuminance.rms)
+        pixels = best.setting.options.hemicube_resolution
+        reached = f"reaches {share_text(best.illuminance.rms)} at {seconds_text(best.cpu_seconds)}"
+        return [f"classic mode with {pixels}² hemicubes {reached}"]
+    if left_out:
+        least = min(item.predicted for item in left_out if item.predicted is not None)
+        return [f"classic mode was not run: it would have taken about {seconds_text(least)}, over the budget"]
+    return []
+
+
+def error_cell(error: Error, value: float | None = None) -> str:
+    """A number, or an upper bound."""
+    return f"{'< ' if error.below_floor else ''}{share_text(error.rms if value is None else value)}"
+
+
+def memory_cell(memory: int | None) -> str:
+    """MiB."""
+    return "" if memory is None else f"{memory / 2**20:.0f}"
+
+
+def price_rows(found: Sequence[Price]) -> Rows:
+    """Settings by rising cost, those on the front marked."""
+    head = (
+        *("setting", "front", "CPU s", "elements", "MiB", "lx rms", "lx 95 %", "lx max"),
+        *("spectral rms", "95 %", "bias", "sampling", "seeds"),
+    )
+    return [
+        head,
+        *(
+            (
+                price.setting.name,
+                "*" if price.on_front else "",
+                f"{price.cpu_seconds:.3g}",
+                str(price.elements),
+                memory_cell(price.memory_bytes),
+                error_cell(price.illuminance),
+                error_cell(price.illuminance, price.illuminance.p95),
+                error_cell(price.illuminance, price.illuminance.largest),
+                error_cell(price.spectrum),
+                error_cell(price.spectrum, price.spectrum.p95),
+                _signed(price.bias),
+                share_text(price.sampling),
+                str(price.seeds),
+            )
+            for price in found
+        ),
+    ]
+
+
+def solver_rows(report: Report) -> Rows:
+    """Solvers in the order of their cost."""
+    head = ("solver", "elements", "CPU s", "products", "residual")
+    return [
+        head,
+        *(
+            (s.name, str(s.elements), f"{s.cpu_seconds:.2g}", f"{s.products:.3g}", f"{s.residual:.1e}")
+            for s in sorted(report.solvers, key=lambda s: s.cpu_seconds)
+        ),
+    ]
+
+
+def effect_rows(report: Report) -> Rows:
+    """Effects that were forced."""
+    head = ("forced", "asked for by", "CPU s", "as planned", "change of lx", "noise of the two")
+    return [
+        head,
+        *(
+            (
+                e.name,
+                e.flags,
+                f"{e.forced_seconds:.3g}",
+                f"{e.usual_seconds:.3g}",
+                share_text(e.change) if e.change > 0.0 else "none: as planned",
+                share_text(e.sampling) if e.change > 0.0 else "",
+            )
+            for e in report.effects
+        ),
+    ]
+
+
+def bands_rows(report: Report) -> Rows:
+    """Numbers of bands."""
+    head = ("bands", "columns", "CPU s", "lx rms", "mean lx", "x, y")
+    return [
+        head,
+        *(
+            (
+                str(b.bands),
+                str(b.columns),
+                f"{b.cpu_seconds:.3g}",
+                *(
+                    ("reference",) * 3
+                    if b is report.bands[-1]
+                    else (share_text(b.illuminance), _signed(b.mean_illuminance), f"{b.chromaticity:.2g}")
+                ),
+            )
+            for b in report.bands
+        ),
+    ]
+
+
+def skipped_lines(skipped: Sequence[Skipped]) -> list[str]:
+    """What was not run, and why; those with one reason together."""
+    lines: dict[str, list[str]] = {}
+    for item in skipped:
+        name = item.name if item.predicted is None else f"{item.name} (about {seconds_text(item.predicted)})"
+        lines.setdefault(item.reason, []).append(name)
+    return [f"not run, {reason}: {', '.join(names)}" for reason, names in lines.items()]
+
+
+def reference_line(report: Report) -> str:
+    """What everything was compared with."""
+    return (
+        f"referee: {report.paths} paths from each of {report.readings} readings, "
+        f"{seconds_text(report.reference_cpu_seconds)} of CPU; its noise ({share_text(report.noise)} lx, "
+        f"{share_text(report.spectral_noise)} spectra) is taken out"
+    )
+
+
+def markdown(rows: Rows) -> list[str]:
+    """A table that is readable as text and as Markdown."""
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+
+    def line(row: Sequence[str]) -> str:
+        cells = (cell.ljust(widths[k]) if k == 0 else cell.rjust(widths[k]) for k, cell in enumerate(row))
+        return f"| {' | '.join(cells)} |"
+
+    rule = [f"{'-' * max(w - (k > 0), 1)}{':' if k else ''}" for k, w in enumerate(widths)]
+    return [line(rows[0]), f"| {' | '.join(rule)} |", *map(line, rows[1:])]
+
+
+def _signed(value: float) -> str:
+    """``+0.12 %``; ``0 %`` for nothing."""
+    return share_text(value) if value <= 0.0 or not math.isfinite(value) else f"+{share_text(value)}"

@@ -1,0 +1,395 @@
+"""What accuracy costs: errors, fronts, prices and words with known answers; the budget by a clock that is set."""
+
+import math
+from dataclasses import dataclass, replace
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from hradiosity.errors import SceneError
+from hradiosity.options import Options
+from hradiosity.solution import Readings
+from hradiosity.suites.cost import running
+from hradiosity.suites.cost.budget import Budget
+from hradiosity.suites.cost.combine import Change, propose
+from hradiosity.suites.cost.errors import Error, error_of, without_noise
+from hradiosity.suites.cost.pareto import pareto_front, quote, quotes
+from hradiosity.suites.cost.pricing import Truth, bands_prices, effect_price, largest_spread, prices
+from hradiosity.suites.cost.running import CostRun
+from hradiosity.suites.cost.settings import classic, combined, qualities, single_knobs
+from hradiosity.suites.cost.values import Price, Report, Run, Skipped
+from hradiosity.suites.cost.words import markdown, price_rows, recommendation, seconds_text, share_text
+from hradiosity.suites.cost.work import predict, work_of
+
+N, BANDS = 40, 3
+
+
+def readings_of(lux, spread=0.0, count=4):
+    """One sensor whose illuminance, and whose bands alike, are `lux`; half widths `spread` over value."""
+    lux = np.asarray(lux, float)
+    spectra = np.repeat(lux[:, None], BANDS, axis=1)
+    place = np.zeros((len(lux), 3))
+    return {
+        "desk": Readings(
+            sensor="desk",
+            position=place,
+            normal=place,
+            irradiance=spectra,
+            half_width=spread * spectra,
+            illuminance=lux,
+            illuminance_half_width=spread * lux,
+            mean_illuminance=float(lux.mean()),
+            mean_illuminance_half_width=0.0,
+            uniformity_half_width=0.0,
+            chromaticity=np.full((len(lux), 2), 1 / 3),
+            chromaticity_half_width=np.zeros((len(lux), 2)),
+            enclosed=np.zeros(len(lux)),
+        )
+    }
+
+
+def run_of(setting, lux, seconds, *, seed=0, spread=0.0, elements=1000):
+    return Run(
+        setting=setting,
+        seed=seed,
+        elements=elements,
+        replicates=4,
+        cpu_seconds=seconds,
+        wall_seconds=seconds,
+        memory_bytes=2**20,
+        stage_seconds={"geometry": 0.0, "readings": seconds},
+        work={"readings": 1.0},
+        readings=readings_of(lux, spread),
+        convergence={},
+    )
+
+
+def error(rms, *, hidden=False):
+    return Error(rms, 2 * rms, 3 * rms, hidden)
+
+
+def price(setting, seconds, rms, *, hidden=False):
+    found = error(rms, hidden=hidden)
+    return Price(setting, 1000, 1, seconds, seconds, None, found, found, 0.0, rms)
+
+
+def report(found, skipped=(), noise=0.001):
+    return Report(
+        *("room", "a device", 120.0, 100.0, noise, noise, 4096, 5.0, N),
+        *(tuple(found), tuple(skipped), (), (), (), True),
+    )
+
+
+# errors
+
+
+def test_noise_is_taken_out_in_quadrature():
+    assert without_noise(0.05, 0.03, 1000) == (pytest.approx(0.04), False)
+    assert without_noise(0.05, 0.0, 1000) == (0.05, False)
+
+
+def test_an_error_like_the_noise_is_below_the_floor():
+    assert without_noise(0.031, 0.03, 1000) == (0.03, True)
+    assert without_noise(0.02, 0.03, 1000) == (0.03, True)
+
+
+def test_few_readings_need_more():
+    """With 8 readings the mean square of the noise varies by a half, twice of which is needed."""
+    assert without_noise(0.04, 0.03, 1000)[1] is False
+    assert without_noise(0.04, 0.03, 8)[1] is True
+
+
+def test_percentile_and_largest_shrink_alike():
+    deviation = np.array([0.05, -0.05] * 10)
+    found = error_of([deviation], 0.03, 1000)
+    assert (found.rms, found.p95, found.largest) == pytest.approx((0.04, 0.04, 0.04))
+    assert error_of([deviation, 3 * deviation], 0.0, 1000).rms == pytest.approx(0.05 * math.sqrt(5))
+
+
+def test_noise_of_random_numbers_is_found():
+    rng = np.random.default_rng(0)
+    truth, solver = 0.02 * rng.standard_normal(20000), 0.03 * rng.standard_normal(20000)
+    assert error_of([solver - truth], 0.02, 20000).rms == pytest.approx(0.03, rel=0.02)
+
+
+# fronts and prices
+
+
+def test_front_by_hand():
+    cost, error = np.array([1.0, 2.0, 3.0, 4.0, 2.0]), np.array([0.4, 0.1, 0.2, 0.05, 0.1])
+    assert pareto_front(cost, error).tolist() == [0, 1, 3]
+    assert pareto_front(cost, np.where(error < 0.1, np.inf, error)).tolist() == [0, 1]
+    assert len(pareto_front(np.zeros(0), np.zeros(0))) == 0
+
+
+def test_nothing_beats_the_front():
+    rng = np.random.default_rng(1)
+    cost, error = rng.uniform(1, 2, 300), rng.uniform(1, 2, 300)
+    front = pareto_front(cost, error)
+    beaten = (cost[:, None] <= cost) & (error[:, None] <= error) & ((cost[:, None] < cost) | (error[:, None] < error))
+    assert sorted(front) == np.flatnonzero(~beaten.any(axis=0)).tolist()
+
+
+def test_prices_between_settings_are_straight_in_log_log():
+    """From (1 s, 10 %) to (100 s, 1 %) the slope is −1/2: 3.1623 % at 10 s."""
+    cost, error = np.array([1.0, 100.0]), np.array([0.1, 0.01])
+    found = quote(math.sqrt(0.001), cost, error)
+    assert found.kind == "interpolated" and found.seconds == pytest.approx(10.0) and found.setting == 1
+    assert quote(0.2, cost, error).seconds == 1.0 and quote(0.2, cost, error).kind == "at most"
+    far = quote(0.001, cost, error)
+    assert far.kind == "extrapolated" and far.seconds == pytest.approx(10000.0) and far.setting is None
+    assert quote(0.01, cost, error).seconds == pytest.approx(100.0)
+
+
+def test_quotes_end_one_beyond_the_best():
+    found = quotes(np.array([1.0, 100.0]), np.array([0.1, 0.005]))
+    assert [q.target for q in found] == [0.03, 0.01, 0.003]
+    assert [q.kind for q in found] == ["interpolated", "interpolated", "extrapolated"]
+
+
+def test_combinations_add_costs_and_squares():
+    """Halving a useless knob and doubling the one that matters."""
+    changes = {"elements": [Change(0.5, -2.0, 0.0)], "gather_samples": [Change(2.0, 1.0, -0.5e-4)]}
+    (found,) = propose(5.0, 0.01, changes, most=4)
+    assert dict(found.factors) == {"elements": 0.5, "gather_samples": 2.0}
+    assert found.cost == pytest.approx(4.0) and found.error == pytest.approx(math.sqrt(0.5e-4))
+
+
+def test_combinations_do_not_promise_everything():
+    changes = {name: [Change(2.0, 1.0, -0.9e-4)] for name in ("elements", "gather_samples", "light_samples")}
+    assert min(p.error for p in propose(5.0, 0.01, changes, most=9)) > 0.001
+
+
+# words
+
+
+def test_recommendation():
+    draft, normal, _ = qualities()
+    found = [price(draft, 1.0, 0.1), price(normal, 100.0, 0.005), price(classic()[2], 188.0, 0.009)]
+    lines = recommendation(report(found))
+    assert lines[0] == "3 % costs about 6.4 s: `--quality normal` reached 0.5 % in 100 s"
+    assert lines[1].startswith("1 % costs about 34 s: `--quality normal`")
+    assert lines[2].startswith("0.3 % costs some 278 s: not reached in the budget, extrapolated")
+    assert lines[3] == "classic mode with 128² hemicubes reaches 0.9 % at 188 s"
+
+
+def test_recommendation_tells_what_is_hidden_and_what_was_not_run():
+    draft, normal, _ = qualities()
+    found = [price(draft, 1.0, 0.02), price(normal, 4.0, 0.003, hidden=True)]
+    skipped = [Skipped("classic 32²", "classic", 130.0, "over the budget")]
+    lines = recommendation(report(found, skipped, noise=0.003))
+    assert "below 0.3 %, the referee's own noise: `--quality normal`, 4 s" in lines
+    assert lines[-1] == "classic mode was not run: it would have taken about 130 s, over the budget"
+    assert recommendation(report([price(draft, 1.0, 0.02, hidden=True)]))[0].startswith("no error stands out")
+    assert recommendation(report([])) == ["nothing was measured"]
+
+
+@pytest.mark.parametrize(
+    ("seconds", "text"), [(0.6234, "0.62 s"), (3.24, "3.2 s"), (94.2, "94 s"), (188.0, "188 s"), (1860.0, "31 min")]
+)
+def test_seconds(seconds, text):
+    assert seconds_text(seconds) == text
+
+
+def test_shares_and_tables():
+    assert [share_text(v) for v in (0.01, 0.0044, 0.123)] == ["1 %", "0.44 %", "12 %"]
+    lines = markdown(price_rows([price(qualities()[0], 1.0, 0.02, hidden=True)]))
+    assert len({len(line) for line in lines}) == 1 and lines[1].startswith("| ---")
+    assert "< 2 %" in lines[2] and lines[2].split("|")[1].strip() == "draft"
+
+
+def test_flags_ask_for_the_setting():
+    assert [s.flags for s in qualities()] == ["--quality draft", "--quality normal", "--quality fine"]
+    usual = Options()
+    flags = f"--elements {2 * usual.elements} --gather-samples {usual.gather_samples // 2}"
+    assert combined({"elements": 2.0, "gather_samples": 0.5}).flags == flags
+    assert classic()[0].flags == "--elements 1000 --replicates 2 --mode classic --hemicube-resolution 32"
+    names = [s.name for s in (*qualities(), *single_knobs(), *classic())]
+    assert len(names) == len(set(names))
+
+
+# runs together
+
+
+def test_prices_of_runs():
+    truth = Truth.of(readings_of(np.ones(N)))
+    draft, normal, _ = qualities()
+    runs = [run_of(draft, np.full(N, 1.03), 1.0), run_of(normal, np.full(N, 1.01), 3.0, spread=0.02)]
+    runs.append(run_of(draft, np.full(N, 0.99), 2.0, seed=1))
+    first, second = prices(runs, truth)
+    assert first.seeds == 2 and first.cpu_seconds == 1.5 and first.on_front and second.on_front
+    assert first.illuminance.rms == pytest.approx(math.sqrt((0.03**2 + 0.01**2) / 2))
+    assert first.bias == pytest.approx(0.01)
+    assert second.illuminance.rms == pytest.approx(0.01) == second.spectrum.largest
+    assert second.sampling == pytest.approx(0.0202 / 3.18245, rel=1e-5)
+
+
+def test_a_dark_reference_is_refused():
+    with pytest.raises(ValueError, match="no light"):
+        Truth.of(readings_of(np.zeros(N)))
+
+
+def test_effects_and_bands():
+    draft = qualities()[0]
+    usual, forced = run_of(draft, np.ones(N), 1.0), run_of(draft, np.full(N, 1.1), 3.0)
+    found = effect_price("shadows", "--occlusion on", usual, forced)
+    assert (found.usual_seconds, found.forced_seconds) == (1.0, 3.0) and found.change == pytest.approx(0.1)
+    few, many = bands_prices([(401, 401, usual), (9, 9, forced)])
+    assert (few.bands, many.bands) == (9, 401)
+    assert few.mean_illuminance == pytest.approx(0.1) and many.illuminance == 0.0 and few.chromaticity == 0.0
+
+
+def test_spread_is_that_of_one_replicate():
+    """A half width of 2 % from four replicates is a spread of 0.02 · √4 / 3.182."""
+    lux = np.ones(N)
+    assert largest_spread([run_of(qualities()[0], lux, 1.0, spread=0.02)]) == pytest.approx(0.04 / 3.18245, rel=1e-5)
+
+
+# time
+
+
+def test_prediction_scales_stages():
+    sizes = {"n_readings": 100, "n_emitters": 2, "columns": 10}
+    usual = work_of(4000, Options(), **sizes)
+    stages = {"exchange rays": 1.0, "readings": 2.0}
+    assert predict(4.0, stages, usual, usual) == pytest.approx(4.0)
+    more = work_of(4000, Options(rays_per_element=2 * Options.rays_per_element), **sizes)
+    assert predict(4.0, stages, usual, more) == pytest.approx(5.0)
+    light = work_of(4000, Options(light_samples=1, gather_samples=8), **sizes)
+    assert predict(4.0, stages, usual, light) == pytest.approx(2.0, abs=0.02)
+
+
+def test_budget_keeps_a_margin():
+    now = [10.0]
+    budget = Budget(100.0, clock=lambda: now[0])
+    assert budget.holds(80.0) and not budget.holds(81.0)
+    now[0] = 60.0
+    assert budget.left() == 50.0 and budget.left(0.5) == 0.0 and not budget.holds(1.0, 0.5)
+
+
+@dataclass
+class FakeReference:
+    """Noise falls with the root of the paths; a round takes a second."""
+
+    bench: "FakeBench"
+    paths: int = 0
+
+    def advance(self, seconds):
+        if self.paths and seconds < 1.0:
+            return False
+        self.bench.now += 1.0
+        self.paths += 100
+        return True
+
+    def noise(self):
+        return 0.1 / math.sqrt(self.paths) if self.paths else math.inf
+
+    def readings(self):
+        if not self.paths:
+            raise RuntimeError("no path was traced yet")
+        return readings_of(np.ones(N), spread=2.0 * self.noise())
+
+
+class FakeBench:
+    """A machine whose runs take what their samples say, times `slower` than it predicts."""
+
+    def __init__(self, slower=1.0):
+        self.now, self.slower, self.started = 0.0, slower, []
+        self.reference = FakeReference(self)
+
+    def clock(self):
+        return self.now
+
+    def _seconds(self, setting):
+        options = setting.options
+        if options.mode == "classic":
+            return 0.05 * options.hemicube_resolution
+        usual = Options()
+        return 0.2 + options.elements / usual.elements / 2 + options.gather_samples / usual.gather_samples / 2
+
+    def guess(self, setting):
+        return self._seconds(setting)
+
+    def start(self, setting, seed=0, scene=None):
+        self.started.append((setting.name, seed))
+        columns = SimpleNamespace(n_columns=8)
+        plan = SimpleNamespace(n_elements=setting.options.elements, size_bound="", columns=columns)
+        return SimpleNamespace(setting=setting, seed=seed, plan=plan, predicted=self._seconds(setting))
+
+    def finish(self, started):
+        seconds = self._seconds(started.setting)
+        self.now += self.slower * seconds
+        lux = 1.0 + 0.01 / math.sqrt(seconds) * np.cos(np.arange(N) + started.seed)
+        run = run_of(started.setting, lux, seconds, seed=started.seed, elements=started.setting.options.elements)
+        convergence = {"seconds": 0.01, "products": 7.0, "residual": (1.0, 1e-4)}
+        return replace(run, convergence=convergence)
+
+    def learn(self, run, plan):
+        pass
+
+
+@pytest.mark.parametrize("budget", [20.0, 120.0])
+@pytest.mark.parametrize("slower", [0.8, 1.0, 1.2])
+def test_the_budget_is_kept(budget, slower):
+    bench = FakeBench(slower)
+    run = CostRun(bench, budget, in_bands=lambda count: None)
+    events = list(run.events())
+    assert bench.now <= 1.0 * budget
+    assert bench.now >= 0.8 * budget or all(r.seed == running.SEEDS - 1 for r in run.runs[-3:])
+    told = {(s.name, s.group) for s in run.skipped} | {(r.setting.name, r.setting.group) for r in run.runs}
+    for setting in (*qualities(), *single_knobs(), *classic()):
+        assert (setting.name, setting.group) in told
+    assert [e.kind for e in events].count("skipped") == len(run.skipped)
+    assert all(item.predicted is not None for item in run.skipped)
+
+
+def test_settings_come_by_rising_cost():
+    bench = FakeBench()
+    run = CostRun(bench, 60.0)
+    list(run.events())
+    swept = [r for r in run.runs if r.seed == 0 and r.setting.group not in ("quality", "combined")]
+    seconds = [r.cpu_seconds for r in swept]
+    assert seconds == sorted(seconds) and len(seconds) > 8
+
+
+def test_what_is_known_can_be_asked_for_early():
+    run = CostRun(FakeBench(), 60.0)
+    events = run.events()
+    while len(run.runs) < 3:
+        next(events)
+    assert len(run.prices()) == 3
+
+
+def test_elements_that_are_no_others_are_skipped():
+    bench = FakeBench()
+    start = bench.start
+
+    def bounded(setting, seed=0, scene=None):
+        started = start(setting, seed, scene)
+        started.plan.n_elements, started.plan.size_bound = Options.elements, "cells no smaller"
+        return started
+
+    bench.start = bounded
+    run = CostRun(bench, 200.0)
+    list(run.events())
+    found = {item.name: item.reason for item in run.skipped if item.group == "elements"}
+    assert found["elements × 2"] == f"makes the {Options.elements} elements of normal: cells no smaller"
+
+
+def test_solvers_that_are_refused_are_told():
+    from hradiosity.errors import Fault
+
+    bench = FakeBench()
+    start = bench.start
+
+    def refusing(setting, seed=0, scene=None):
+        if setting.name == "block-inversion":
+            raise SceneError([Fault("command line", "", "9000 elements", "fewer")])
+        return start(setting, seed, scene)
+
+    bench.start = refusing
+    run = CostRun(bench, 120.0)
+    list(run.events())
+    assert "cg" in {s.name for s in run.solvers}
+    assert [s.reason for s in run.skipped if s.name == "block-inversion"] == ["too many elements: 9000 elements"]
