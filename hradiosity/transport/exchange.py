@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -30,6 +31,11 @@ class RowHits:
     row: NDArray[np.uint32]
     side: NDArray[np.uint32]
     on_device: DeviceArray
+
+    @property
+    def lost_share(self) -> float:
+        """Share of the rays that ended on sides thought to be dark."""
+        return float((self.row == UNLIT).mean()) if self.row.size else 0.0
 
     def unlit_links(self, elements: Elements) -> NDArray[np.int64]:
         """(n, 2) pairs of sides: one that a ray left, and one that it met though no light was thought to reach it."""
@@ -64,22 +70,31 @@ class Defects:
 
 
 @dataclass(frozen=True)
-class Exchange:
-    """Symmetric exchange areas K[i, j] = A_i F_ij = A_j F_ji, rows closed: Σ_j K_ij + outside_i = A_i.
+class ClosedRows:
+    """What all kinds of exchange tell about each row element; rows are closed: Σ_j K_ij + outside_i = A_i.
 
-    start, source, area : CSR by receiver; (n_rows + 1,) uint32, (n_links,) uint32, (n_links,) float64 [m²]
     outside : (n_rows,) float64 [m²], exchange area with what lies outside the scene
     sky : (n_rows,) float64 [m²], the part of it above the horizon
     element_area : (n_rows,) float64 [m²], of the exposed part of each element
+    defects : before closure
+    """
+
+    outside: NDArray[np.float64]
+    sky: NDArray[np.float64]
+    element_area: NDArray[np.float64]
+    defects: Defects
+
+
+@dataclass(frozen=True)
+class Exchange(ClosedRows):
+    """Symmetric exchange areas K[i, j] = A_i F_ij = A_j F_ji between single row elements.
+
+    start, source, area : CSR by receiver; (n_rows + 1,) uint32, (n_links,) uint32, (n_links,) float64 [m²]
     """
 
     start: NDArray[np.uint32]
     source: NDArray[np.uint32]
     area: NDArray[np.float64]
-    outside: NDArray[np.float64]
-    sky: NDArray[np.float64]
-    element_area: NDArray[np.float64]
-    defects: Defects
 
 
 def trace_rows(scene: DeviceScene, elements: DeviceElements, n_samples: int, seed: int) -> RowHits:
@@ -129,12 +144,41 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
     pooled.sort_indices()
     receiver = np.repeat(np.arange(n_rows), np.diff(pooled.indptr))
     pooled.data /= rays_per_area[receiver] + rays_per_area[pooled.indices]
-    exposed = n_samples - (hits.row == COVERED).sum(axis=1)
-    element_area = elements.area * exposed / n_samples
-    sky = elements.area * (hits.row == SKY).sum(axis=1) / n_samples
-    outside = sky + elements.area * (hits.row == MISS).sum(axis=1) / n_samples
-    before = _row_sum_defects(pooled, outside, element_area)
-    scale, steps = _close(pooled, outside, element_area)
+    element_area, outside, sky = seen_areas(hits, elements)
+    return closed_exchange(
+        pooled,
+        outside,
+        sky,
+        element_area,
+        reciprocity_rms=_reciprocity_defect(found, back, rays_per_area),
+        lost_share=hits.lost_share,
+    )
+
+
+def closed_exchange(
+    pooled: csr_array,
+    outside: NDArray[np.float64],
+    sky: NDArray[np.float64],
+    element_area: NDArray[np.float64],
+    *,
+    reciprocity_rms: float,
+    lost_share: float,
+) -> Exchange:
+    """Scale rows and columns alike until every row closes; what that leaves over is trimmed or given to the row itself.
+
+    Parameters
+    ----------
+    pooled : (n_rows, n_rows) CSR
+        Symmetric exchange areas [m²], sorted indices.
+    outside, sky, element_area : (n_rows,) float64 [m²]
+        As in `ClosedRows`, before closure.
+    reciprocity_rms, lost_share : float
+        As in `Defects`.
+    """
+    n_rows = len(element_area)
+    receiver = np.repeat(np.arange(n_rows), np.diff(pooled.indptr))
+    before = row_sum_defects(np.asarray(pooled.sum(axis=1)).ravel(), outside, element_area)
+    scale, steps = close_rows(lambda d: np.asarray(pooled @ d), outside, element_area)
     pooled.data *= scale[receiver] * scale[pooled.indices]
     outside, sky = outside * scale, sky * scale
     # No row may give more than it has: an excess of 1e-4 is a gain of 10 % at a reflectance of 0.999.
@@ -148,13 +192,13 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
     total = float(element_area.sum())
     defects = Defects(
         **before,
-        reciprocity_rms=_reciprocity_defect(found, back, rays_per_area),
-        scale_rms=_weighted_rms(scale - 1.0, element_area),
+        reciprocity_rms=reciprocity_rms,
+        scale_rms=weighted_rms(scale - 1.0, element_area),
         scale_max=float(np.abs(scale - 1.0)[counts].max(initial=0.0)),
         self_share=float(np.maximum(missing, 0.0).sum()) / total if total > 0.0 else 0.0,
         closure_residual=float(np.abs(received[counts] / element_area[counts] - 1.0).max(initial=0.0)),
         closure_steps=steps,
-        lost_share=float((hits.row == UNLIT).mean()) if hits.row.size else 0.0,
+        lost_share=lost_share,
     )
     return Exchange(
         start=closed.indptr.astype(np.uint32),
@@ -167,30 +211,47 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
     )
 
 
-def _close(
-    pooled: csr_array, outside: NDArray[np.float64], area: NDArray[np.float64]
+def seen_areas(
+    hits: RowHits, elements: Elements
+) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    """Exposed area of each row element, and its exchange areas with all outside and with the sky, (n_rows,) [m²]."""
+    per_ray = elements.area / hits.row.shape[1]
+    exposed = per_ray * (hits.row != COVERED).sum(axis=1)
+    sky = per_ray * (hits.row == SKY).sum(axis=1)
+    return exposed, sky + per_ray * (hits.row == MISS).sum(axis=1), sky
+
+
+def close_rows(
+    received: Callable[[NDArray[np.float64]], NDArray[np.float64]],
+    outside: NDArray[np.float64],
+    area: NDArray[np.float64],
 ) -> tuple[NDArray[np.float64], int]:
     """Factors d ≤ 2 with d_i (Σ_j K_ij d_j + s_i) = A_i, by the damped symmetric scaling d ← √(d A / (K d + s)).
+
+    `received` gives K d. Returns the factors, and the steps taken.
 
     The outside keeps the factor 1. Knight & Ruiz 2013 discuss the scaling of symmetric matrices; it has no solution
     where a few elements see only each other and their areas differ, hence the bound.
     """
     scale = np.ones(len(area))
     for step in range(CLOSURE_STEPS):
-        received = pooled @ scale + outside
-        usable = (area > 0.0) & (received > 0.0)
-        free = usable & ((scale < LARGEST_SCALE) | (scale * received > area))
-        if float(np.abs(scale[free] * received[free] / area[free] - 1.0).max(initial=0.0)) < CLOSURE_TOLERANCE:
+        total = received(scale) + outside
+        usable = (area > 0.0) & (total > 0.0)
+        free = usable & ((scale < LARGEST_SCALE) | (scale * total > area))
+        if float(np.abs(scale[free] * total[free] / area[free] - 1.0).max(initial=0.0)) < CLOSURE_TOLERANCE:
             return scale, step
-        scale[usable] = np.minimum(np.sqrt(scale[usable] * area[usable] / received[usable]), LARGEST_SCALE)
+        scale[usable] = np.minimum(np.sqrt(scale[usable] * area[usable] / total[usable]), LARGEST_SCALE)
     return scale, CLOSURE_STEPS
 
 
-def _row_sum_defects(pooled: csr_array, outside: NDArray[np.float64], area: NDArray[np.float64]) -> dict[str, float]:
+def row_sum_defects(
+    received: NDArray[np.float64], outside: NDArray[np.float64], area: NDArray[np.float64]
+) -> dict[str, float]:
+    """`Defects.row_sum_rms` and `Defects.row_sum_max` of rows with sums `received` [m²]."""
     counts = area > 0.0
-    defect = (np.asarray(pooled.sum(axis=1)).ravel() + outside)[counts] / area[counts] - 1.0
+    defect = (received + outside)[counts] / area[counts] - 1.0
     return {
-        "row_sum_rms": _weighted_rms(defect, area[counts]),
+        "row_sum_rms": weighted_rms(defect, area[counts]),
         "row_sum_max": float(np.abs(defect).max(initial=0.0)),
     }
 
@@ -210,6 +271,7 @@ def _reciprocity_defect(found: csr_array, back: csr_array, rays_per_area: NDArra
     return float(np.sqrt(np.mean((2.0 * (there - here) / (there + here)) ** 2)))
 
 
-def _weighted_rms(values: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
+def weighted_rms(values: NDArray[np.float64], weight: NDArray[np.float64]) -> float:
+    """Root of the weighted mean of squares; 0 without any weight."""
     total = float(weight.sum())
     return float(np.sqrt((weight * values**2).sum() / total)) if total > 0.0 else 0.0
