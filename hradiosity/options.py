@@ -8,6 +8,7 @@ from typing import Any, Final, Literal, get_args
 
 Mode = Literal["rays", "classic"]
 Quality = Literal["draft", "normal", "fine"]
+LinkKind = Literal["rows", "hierarchical"]
 SolverName = Literal[
     "cg", "southwell", "overshooting", "jacobi", "gauss-seidel", "gaussian-elimination", "block-inversion", "auto"
 ]
@@ -50,6 +51,9 @@ class Options:
         all
     seed : of all random numbers, 0 to 2³² − 1
     mode : ``--mode`` of the command line: "rays", or "classic" for hemicubes, shooting and adaptive subdivision
+    links : ``--links`` of the command line: how elements exchange light in the mode "rays": "rows" by rays from each
+        element, "hierarchical" over links between coarser and finer parts of patches
+    link_form_factor : largest form factor of a hierarchical link, either way, unless both ends are single elements
     hemicube_resolution : pixels along an edge of a hemicube's top face, even and at least 8; of the classic mode
     """
 
@@ -73,6 +77,8 @@ class Options:
     reduced_basis: bool = True
     seed: int = 0
     mode: Mode = "rays"
+    links: LinkKind = "rows"
+    link_form_factor: float = 0.02
     hemicube_resolution: int = 256
 
     @classmethod
@@ -108,5 +114,11 @@ class Options:
             raise ValueError(f"blocks must be at least 1, is {self.blocks}")
         if self.mode not in get_args(Mode):
             raise ValueError(f"mode must be one of {', '.join(get_args(Mode))}, is {self.mode!r}")
+        if self.links not in get_args(LinkKind):
+            raise ValueError(f"links must be one of {', '.join(get_args(LinkKind))}, is {self.links!r}")
+        if self.mode == "classic" and self.links != "rows":
+            raise ValueError(f"links must be rows in the classic mode, is {self.links!r}")
+        if not 0.0 < self.link_form_factor < 1.0:
+            raise ValueError(f"link_form_factor must lie between 0 and 1, is {self.link_form_factor}")
         if self.hemicube_resolution < 8 or self.hemicube_resolution % 2:
             raise ValueError(f"hemicube_resolution must be even and at least 8, is {self.hemicube_resolution}")

@@ -126,6 +126,36 @@ class SightShare:
 
 
 @dataclass(frozen=True)
+class LinkCount:
+    """Hierarchical links between nodes over the row elements.
+
+    form_factor : largest form factor of a link of nodes that can be split
+    per_level : links by the level of the finer end, single elements first
+    proved_share : share of them that shafts prove free
+    rays : shadow rays for the others, per replicate
+    """
+
+    form_factor: float
+    per_level: tuple[int, ...]
+    proved_share: float
+    rays: int
+
+    @property
+    def total(self) -> int:
+        """Number of links."""
+        return sum(self.per_level)
+
+    def line(self, n_elements: int) -> str:
+        """In words."""
+        each = self.total / max(n_elements, 1)
+        return (
+            f"{self.total} links of form factors up to {self.form_factor:g} at {len(self.per_level)} levels, "
+            f"{each:.3g} an element; {100 * self.proved_share:.0f} % proved free by shafts, "
+            f"{self.rays / 1e6:.2g} million rays a replicate for the others"
+        )
+
+
+@dataclass(frozen=True)
 class Plan:
     """What a run will do; prints itself.
 
@@ -145,6 +175,7 @@ class Plan:
     solver : what solves for the light on the surfaces; empty when nothing reflects
     shooters, hemicubes, shots : of the classic mode: patches that shoot, and what is drawn and shot in all replicates
         together; 0 in the mode of rays
+    links : hierarchical links; None for exchange by rows of rays
     sight : what shafts proved of each kind of lamp in each lit space; empty where none were tried
     """
 
@@ -173,6 +204,7 @@ class Plan:
     hemicubes: int = 0
     shots: int = 0
     sight: tuple[SightShare, ...] = ()
+    links: LinkCount | None = None
 
     @property
     def gathers(self) -> bool:
@@ -190,6 +222,8 @@ class Plan:
             f"about {self._effort()}, in {self.replicates} replicates; {self.memory_bytes / 2**20:.0f} MiB",
             f"solver: {self.solver or 'none, since nothing reflects'}",
         ]
+        if self.links is not None:
+            out.append(self.links.line(self.n_elements))
         if self.size_bound:
             counts = f"{self.elements_asked} asked for, {self.n_elements} made"
             out.append(f"elements: {counts}: {self.size_bound}; --element-size forces it")

@@ -9,7 +9,7 @@ from cyclopts import Group, Parameter
 
 from hradiosity.cli.values import Switch, seconds, share
 from hradiosity.errors import Fault, SceneError
-from hradiosity.options import Mode, Options, Quality, SolverName
+from hradiosity.options import LinkKind, Mode, Options, Quality, SolverName
 
 EFFORT = Group("Accuracy and effort", sort_key=1)
 EFFECTS = Group("What is computed", sort_key=2)
@@ -63,6 +63,11 @@ class Settings:
         How light is exchanged: rays, or classic for hemicubes, shooting and adaptive subdivision.
     hemicube_resolution
         Pixels along an edge of a hemicube's top face, in the classic mode; even.
+    links
+        How elements exchange light in the mode of rays: over rows of rays from each element, or hierarchical links
+        between coarser and finer parts of patches.
+    link_form_factor
+        Largest form factor of a hierarchical link.
     solver
         What solves for the light on the surfaces: conjugate gradients (cg), progressive shooting (southwell), the same
         with overshooting, jacobi, gauss-seidel; gaussian-elimination and block-inversion for small scenes; or auto,
@@ -90,6 +95,8 @@ class Settings:
     glow: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     mode: Annotated[Mode, Parameter(group=EFFECTS)] = Options.mode
     hemicube_resolution: Annotated[int, Parameter(group=EFFECTS)] = Options.hemicube_resolution
+    links: Annotated[LinkKind, Parameter(group=EFFECTS)] = Options.links
+    link_form_factor: Annotated[float, Parameter(group=EFFORT)] = Options.link_form_factor
     solver: Annotated[SolverName, Parameter(group=EFFECTS)] = Options.solver
     blocks: Annotated[int, Parameter(group=EFFECTS)] = Options.blocks
     device: str | None = None
@@ -116,6 +123,8 @@ class Settings:
                 seed=self.seed,
                 mode=self.mode,
                 hemicube_resolution=self.hemicube_resolution,
+                links=self.links,
+                link_form_factor=self.link_form_factor,
                 solver=self.solver,
                 blocks=self.blocks,
             )

@@ -75,7 +75,9 @@ def store(device: str, builds: Iterable[str], calibration: Calibration | Classic
 
 
 def measure(solution: Solution) -> Calibration | ClassicCalibration | None:
-    """Speeds from a finished run; None when it left a stage out, or hardly took any time."""
+    """Speeds from a finished run; None when it left a stage out, hardly took any time, or had no rows of rays."""
+    if solution.plan.links is not None:
+        return None
     return _measure_classic(solution) if solution.plan.hemicubes else _measure_rays(solution)
 
 

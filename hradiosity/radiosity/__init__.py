@@ -17,11 +17,15 @@ def make_solver(
     device: Device,
     calibration: Calibration | ClassicCalibration | None = None,
 ) -> RadiositySolver:
-    """The solver that ``options.mode`` (``--mode`` of the command line) names; both are used alike."""
+    """The solver that the mode and the links of the options name; all are used alike."""
     if options.mode == "classic":
         from hradiosity.radiosity.classic import ClassicSolver
 
         return ClassicSolver(scene, options, device, calibration)
+    if options.links == "hierarchical":
+        from hradiosity.radiosity.linked import LinkedSolver
+
+        return LinkedSolver(scene, options, device, calibration)
     return RadiositySolver(scene, options, device, calibration)
 
 

@@ -30,14 +30,19 @@ class Facets:
     is_triangle : (n,) bool
     normal : (n, 3) float64, unit, of the lit side
     area : (n,) float64 [m²]
-    patch : (n,) int64, the patch that each is a part of
+    side : (n,) int64, 2 · patch + side that each is a part of
     """
 
     corners: NDArray[np.float64]
     is_triangle: NDArray[np.bool_]
     normal: NDArray[np.float64]
     area: NDArray[np.float64]
-    patch: NDArray[np.int64]
+    side: NDArray[np.int64]
+
+    @property
+    def patch(self) -> NDArray[np.int64]:
+        """(n,) the patch."""
+        return self.side // 2
 
     def __len__(self) -> int:
         return len(self.area)
@@ -51,7 +56,6 @@ class Nodes:
     level_start : (n_levels + 1,) int64, first node of each level; level 0 are the leaves
     parent : (n_nodes,) int64, ROOT for none
     child_start, child : (n_nodes + 1,) and (n_nodes − n_roots,) int64, children by parent
-    side : (n_nodes,) int64, 2 · patch + side of the first facet
     facets : Facets
     facet_start : (n_nodes + 1,) int64, into `facets`; only groups have more than one
     """
@@ -61,7 +65,6 @@ class Nodes:
     parent: NDArray[np.int64]
     child_start: NDArray[np.int64]
     child: NDArray[np.int64]
-    side: NDArray[np.int64]
     facets: Facets
     facet_start: NDArray[np.int64]
 
@@ -128,15 +131,14 @@ class _Squares:
 def build_nodes(patches: Patches, elements: Elements) -> Nodes:
     """Merge the cells of each cut patch side by fours until one is left.
 
-    Where the number of cells along an edge is odd, the last ones merge by twos or stay single. An odd number of triangle cells along
-    an edge merges into the whole triangle at once.
+    Where the number of cells along an edge is odd, the last ones merge by twos or stay single. An odd number of
+    triangle cells along an edge merges into the whole triangle at once.
     """
     n_rows = len(elements)
     corners, is_triangle = cell_corners(patches, elements)
     order = elements.row_cell.astype(np.int64)
     facets = [_facets(patches, elements.cell_side[order].astype(np.int64), corners[order], is_triangle[order])]
     facet_start = [elements.row_start.astype(np.int64)]
-    side = [elements.cell_side[order[elements.row_start[:-1].astype(np.int64)]].astype(np.int64)]
     squares = _leaf_squares(patches, elements)
     parent, level_start = [np.full(n_rows, ROOT)], [0, n_rows]
     while len(squares):
@@ -146,7 +148,6 @@ def build_nodes(patches: Patches, elements: Elements) -> Nodes:
         parent = [all_parents, np.full(len(above), ROOT)]
         facets.append(_square_facets(patches, above, 1 << (len(level_start) - 1)))
         facet_start.append(facet_start[-1][-1] + 1 + np.arange(len(above)))
-        side.append(above.frames.side)
         level_start.append(level_start[-1] + len(above))
         squares = _unfinished(above)
     all_parents = np.concatenate(parent)
@@ -158,7 +159,6 @@ def build_nodes(patches: Patches, elements: Elements) -> Nodes:
         parent=all_parents,
         child_start=np.concatenate([[0], np.cumsum(child_count)]),
         child=child_order[np.count_nonzero(all_parents == ROOT) :],
-        side=np.concatenate(side),
         facets=_joined(facets),
         facet_start=np.concatenate(facet_start),
     )
@@ -207,11 +207,10 @@ def _taken(frames: CellFrames, chosen: NDArray[np.int64]) -> CellFrames:
 def _facets(
     patches: Patches, side: NDArray[np.int64], corners: NDArray[np.float64], is_triangle: NDArray[np.bool_]
 ) -> Facets:
-    patch = side // 2
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 3] - corners[:, 0])
     area = np.linalg.norm(across, axis=1) * np.where(is_triangle, 0.5, 1.0)
-    normal = patches.normal[patch] * np.where(side % 2 == 0, 1.0, -1.0)[:, None]
-    return Facets(corners, is_triangle, normal, area, patch)
+    normal = patches.normal[side // 2] * np.where(side % 2 == 0, 1.0, -1.0)[:, None]
+    return Facets(corners, is_triangle, normal, area, side)
 
 
 def _square_facets(patches: Patches, squares: _Squares, width: int) -> Facets:
@@ -232,5 +231,5 @@ def _joined(parts: list[Facets]) -> Facets:
         is_triangle=np.concatenate([p.is_triangle for p in parts]),
         normal=np.concatenate([p.normal for p in parts]),
         area=np.concatenate([p.area for p in parts]),
-        patch=np.concatenate([p.patch for p in parts]),
+        side=np.concatenate([p.side for p in parts]),
     )
