@@ -9,6 +9,9 @@ from typing import Any, Final, Literal, get_args
 Mode = Literal["rays", "classic"]
 Quality = Literal["draft", "normal", "fine"]
 LinkKind = Literal["rows", "hierarchical"]
+FormFactorName = Literal[
+    "rays", "hemicube", "point", "point-disk", "hemisphere", "quasi-hemisphere", "monte-carlo", "contour", "auto"
+]
 SolverName = Literal[
     "cg", "southwell", "overshooting", "jacobi", "gauss-seidel", "gaussian-elimination", "block-inversion", "auto"
 ]
@@ -55,6 +58,10 @@ class Options:
         element, "hierarchical" over links between coarser and finer parts of patches
     link_form_factor : largest form factor of a hierarchical link, either way, unless both ends are single elements
     hemicube_resolution : pixels along an edge of a hemicube's top face, even and at least 8; of the classic mode
+        and of hemicubes as form factors
+    form_factors : ``--form-factors`` of the command line: what the exchange between elements is made of in the mode
+        "rays": "rays" from each element, a "hemicube" over each, or another method for all pairs of their cells, whose
+        number bounds the elements; the classic mode always has hemicubes
     """
 
     elements: int = 8000
@@ -80,6 +87,7 @@ class Options:
     links: LinkKind = "rows"
     link_form_factor: float = 0.02
     hemicube_resolution: int = 256
+    form_factors: FormFactorName = "rays"
 
     @classmethod
     def of_quality(cls, quality: Quality, **changes: Any) -> Options:
@@ -120,5 +128,12 @@ class Options:
             raise ValueError(f"links must be rows in the classic mode, is {self.links!r}")
         if not 0.0 < self.link_form_factor < 1.0:
             raise ValueError(f"link_form_factor must lie between 0 and 1, is {self.link_form_factor}")
+        if self.form_factors not in get_args(FormFactorName):
+            names = ", ".join(get_args(FormFactorName))
+            raise ValueError(f"form_factors must be one of {names}, is {self.form_factors!r}")
+        if self.mode == "classic" and self.form_factors not in ("rays", "hemicube"):
+            raise ValueError(f"form_factors must be hemicube in the classic mode, is {self.form_factors!r}")
+        if self.links != "rows" and self.form_factors != "rays":
+            raise ValueError(f"links must be rows with form_factors of {self.form_factors!r}, is {self.links!r}")
         if self.hemicube_resolution < 8 or self.hemicube_resolution % 2:
             raise ValueError(f"hemicube_resolution must be even and at least 8, is {self.hemicube_resolution}")

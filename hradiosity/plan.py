@@ -176,6 +176,8 @@ class Plan:
     shooters, hemicubes, shots : of the classic mode: patches that shoot, and what is drawn and shot in all replicates
         together; 0 in the mode of rays
     links : hierarchical links; None for exchange by rows of rays
+    form_factors : in the words of ``--form-factors``
+    pairs : that they are computed for, at most; of cells, for hemicubes of elements; 0 for rays
     sight : what shafts proved of each kind of lamp in each lit space; empty where none were tried
     """
 
@@ -205,6 +207,8 @@ class Plan:
     shots: int = 0
     sight: tuple[SightShare, ...] = ()
     links: LinkCount | None = None
+    form_factors: str = "rays"
+    pairs: int = 0
 
     @property
     def gathers(self) -> bool:
@@ -222,6 +226,9 @@ class Plan:
             f"about {self._effort()}, in {self.replicates} replicates; {self.memory_bytes / 2**20:.0f} MiB",
             f"solver: {self.solver or 'none, since nothing reflects'}",
         ]
+        if self.pairs:
+            kind = "elements" if self.form_factors == "hemicube" else "cells"
+            out.append(f"form factors: {self.form_factors}, for up to {self.pairs / 1e6:.2g} million pairs of {kind}")
         if self.links is not None:
             out.append(self.links.line(self.n_elements))
         if self.size_bound:

@@ -9,7 +9,7 @@ from cyclopts import Group, Parameter
 
 from hradiosity.cli.values import Switch, seconds, share
 from hradiosity.errors import Fault, SceneError
-from hradiosity.options import LinkKind, Mode, Options, Quality, SolverName
+from hradiosity.options import FormFactorName, LinkKind, Mode, Options, Quality, SolverName
 
 EFFORT = Group("Accuracy and effort", sort_key=1)
 EFFECTS = Group("What is computed", sort_key=2)
@@ -62,7 +62,11 @@ class Settings:
     mode
         How light is exchanged: rays, or classic for hemicubes, shooting and adaptive subdivision.
     hemicube_resolution
-        Pixels along an edge of a hemicube's top face, in the classic mode; even.
+        Pixels along an edge of a hemicube's top face, in the classic mode and for form factors by hemicube; even.
+    form_factors
+        What the exchange between elements is made of: rays from each element, a hemicube over each, or, for all pairs
+        of their cells, point, point-disk, hemisphere, quasi-hemisphere, monte-carlo, contour, or auto for the cheapest
+        that is good to 0.1 %. The classic mode always has hemicubes.
     links
         How elements exchange light in the mode of rays: over rows of rays from each element, or hierarchical links
         between coarser and finer parts of patches.
@@ -95,6 +99,7 @@ class Settings:
     glow: Annotated[Switch, Parameter(group=EFFECTS)] = Switch.auto
     mode: Annotated[Mode, Parameter(group=EFFECTS)] = Options.mode
     hemicube_resolution: Annotated[int, Parameter(group=EFFECTS)] = Options.hemicube_resolution
+    form_factors: Annotated[FormFactorName, Parameter(group=EFFECTS)] = Options.form_factors
     links: Annotated[LinkKind, Parameter(group=EFFECTS)] = Options.links
     link_form_factor: Annotated[float, Parameter(group=EFFORT)] = Options.link_form_factor
     solver: Annotated[SolverName, Parameter(group=EFFECTS)] = Options.solver
@@ -123,6 +128,7 @@ class Settings:
                 seed=self.seed,
                 mode=self.mode,
                 hemicube_resolution=self.hemicube_resolution,
+                form_factors=self.form_factors,
                 links=self.links,
                 link_form_factor=self.link_form_factor,
                 solver=self.solver,

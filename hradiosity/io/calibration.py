@@ -76,7 +76,7 @@ def store(device: str, builds: Iterable[str], calibration: Calibration | Classic
 
 def measure(solution: Solution) -> Calibration | ClassicCalibration | None:
     """Speeds from a finished run; None when it left a stage out, hardly took any time, or had no rows of rays."""
-    if solution.plan.links is not None:
+    if solution.plan.links is not None or solution.plan.pairs:
         return None
     return _measure_classic(solution) if solution.plan.hemicubes else _measure_rays(solution)
 

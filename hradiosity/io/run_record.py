@@ -117,5 +117,5 @@ def _repeat_with(solution: Solution) -> dict[str, Any]:
         "replicates": count,
         "element_size": plan.element_size,
         **{name: getattr(plan, name) * count for name in totals},
-        **{name: options[name] for name in ("lookup", "mode", "seed")},
+        **{name: options[name] for name in ("lookup", "mode", "form_factors", "seed")},
     }

@@ -17,11 +17,15 @@ def make_solver(
     device: Device,
     calibration: Calibration | ClassicCalibration | None = None,
 ) -> RadiositySolver:
-    """The solver that the mode and the links of the options name; all are used alike."""
+    """The solver that the mode, the links and the form factors of the options name; all are used alike."""
     if options.mode == "classic":
         from hradiosity.radiosity.classic import ClassicSolver
 
         return ClassicSolver(scene, options, device, calibration)
+    if options.form_factors != "rays":
+        from hradiosity.radiosity.paired import PairedSolver
+
+        return PairedSolver(scene, options, device, calibration)
     if options.links == "hierarchical":
         from hradiosity.radiosity.linked import LinkedSolver
 

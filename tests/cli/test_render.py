@@ -40,6 +40,22 @@ def test_the_program_itself(room, tmp_path):
         assert part in done.stdout
 
 
+def test_form_factors_of_choice(room, call, tmp_path):
+    """What made them, how many, how good, and what intervals do not hold is in run.json; the plan tells beforehand."""
+    arguments = (*QUICK, "--form-factors", "contour")
+    assert "form factors: contour" in call("plan", room, "--form-factors", "contour", "--element-size", "0.7").out
+    outcome = call("render", room, "-o", tmp_path / "out", *arguments)
+    assert outcome.code == 0, outcome.err
+    run = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert (
+        run["plan"]["form_factors"] == run["form_factors"]["method"] == run["repeat_with"]["form_factors"] == "contour"
+    )
+    assert run["plan"]["pairs"] >= run["form_factors"]["cell_pairs"] > 1000
+    assert run["form_factors"]["mean_error"] < 1e-5
+    (note,) = (note for note in run["notes"] if note["place"] == "--form-factors contour")
+    assert "intervals" in note["message"]
+
+
 def test_tables(rendered):
     out, _ = rendered
     readings, spectra, width = (rows(out / name) for name in ("readings.csv", "spectra.csv", "spectra_half_width.csv"))

@@ -79,6 +79,13 @@ def test_light_of_hemicubes_stays_on_its_side_of_a_partition(device, thickness):
     check_two_cubes(two_cubes(thickness), CLASSIC, device, 1.0, 0.045)
 
 
+@pytest.mark.parametrize("method", ("auto", "hemicube"))
+@pytest.mark.parametrize("thickness", (0.0, 0.1), ids=("sheet", "wall"))
+def test_light_of_form_factors_stays_on_its_side_of_a_partition(device, thickness, method):
+    options = replace(RAYS, form_factors=method, elements=600, replicates=2, hemicube_resolution=64)
+    check_two_cubes(two_cubes(thickness), options, device, 1.0, 0.02)
+
+
 def covered_floor(solid):
     """A cube with a block on its floor: a solid one, or five faces without a bottom."""
     b = SceneBuilder(1)
