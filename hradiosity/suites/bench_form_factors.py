@@ -32,6 +32,8 @@ _COPIES: Final = 64
 """The catalogue is computed so many times in one call, so that launches do not count."""
 _SWIFT: Final = ("auto", "contour", "point", "point-disk")
 """Methods for which launches would count."""
+_SLOW: Final = ("hemicube", "monte-carlo", "rays")
+"""Methods that a quick run leaves out."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +140,7 @@ def _measured_methods(session: Session) -> list[Figure]:
     exact = np.array([float(e["F12"]) for e in seen])
     regular = np.array([e["category"] != "near-singular" for e in seen])
     figures = []
-    for method in METHODS:
+    for method in (m for m in METHODS if m not in _SLOW or not session.quick):
         copies = _COPIES if method in _SWIFT else 1
 
         def work(method: Method = method, copies: int = copies) -> object:

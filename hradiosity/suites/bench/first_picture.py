@@ -22,7 +22,7 @@ def main() -> None:
     moments: dict[str, float] = {}
     preview: Preview | None = None
     for _ in solver.states():
-        preview = preview or Preview(scene, solver.on_device.device, bvh=solver.on_device.bvh)
+        preview = preview or Preview(solver.scene, solver.on_device.device, bvh=solver.on_device.bvh)
         preview.write(solver, picture)
         moments.setdefault("light" if solver.replicates else "paints", time.time())
         if solver.replicates:

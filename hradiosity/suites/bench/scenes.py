@@ -10,7 +10,7 @@ from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
 from hradiosity.solution import Readings
 from hradiosity.suites import accuracy
-from hradiosity.suites.bench.figure import CPU, ERROR, WALL, Figure, figure_of
+from hradiosity.suites.bench.figure import CPU, ERROR, WALL, Figure, exact_figure, figure_of
 from hradiosity.suites.bench.session import Session
 from hradiosity.suites.referee_cache import referee_readings, scene_digest
 
@@ -60,4 +60,9 @@ def measure(session: Session) -> list[Figure]:
                 figure_of(f"{of}, spectral rms", [o.error.spectral_rms for o in outcomes], ERROR),
                 figure_of(f"{of}, illuminance rms", [o.error.illuminance_rms for o in outcomes], ERROR),
             ]
+        noise = outcomes[0].error
+        figures += [
+            exact_figure(f"scenes: {name}, noise of the reference, spectral", noise.reference_spectral_rms, ERROR),
+            exact_figure(f"scenes: {name}, noise of the reference, lx", noise.reference_illuminance_rms, ERROR),
+        ]
     return figures

@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Final
 
 from hradiosity.suites import bench_form_factors, bench_rays, bench_solvers
-from hradiosity.suites.bench import scenes, start, structure
+from hradiosity.suites.bench import peers, scenes, start, structure
 from hradiosity.suites.bench.figure import Figure
 from hradiosity.suites.bench.session import Session
 
@@ -18,6 +18,7 @@ SECTIONS: Final[dict[str, Callable[[Session], list[Figure]]]] = {
     "solvers": bench_solvers.measure,
     "scenes": scenes.measure,
     "start": start.measure,
+    "peers": peers.measure,
 }
 """In the order in which they run."""
 
