@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from hradiosity.device import Device
     from hradiosity.model.scene import Scene
     from hradiosity.suites.cost.bench import SceneBench
-    from hradiosity.suites.cost.running import CostRun, Event
+    from hradiosity.suites.cost.protocols import Event
+    from hradiosity.suites.cost.running import CostRun
     from hradiosity.suites.cost.values import Report
 
 BUDGET = 120.0
@@ -91,8 +92,6 @@ def _check(scene: Scene, path: Path) -> None:
     """A scene without readings has no error."""
     if not any(len(sensor.position) for sensor in scene.sensors):
         raise SceneError([Fault(str(path), "sensor", "the scene has no sensor", "one: cost compares readings")])
-    if not len(scene.emitters) and scene.sky is None:
-        raise SceneError([Fault(str(path), "luminaires", "nothing shines", "a lamp or a sky: cost compares light")])
 
 
 def _measure(bench: SceneBench, path: Path, budget: float, display: Display) -> tuple[Report, CostRun]:

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 import io
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
+
+from hradiosity.show.labels import label_points
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
-    from matplotlib.backend_bases import RendererBase
     from matplotlib.figure import Figure
-    from matplotlib.text import Annotation
-    from matplotlib.transforms import Bbox
 
 GROUPS: Final[dict[str, tuple[str, str]]] = {
     "quality": ("#000000", "*"),
@@ -31,13 +31,7 @@ GROUPS: Final[dict[str, tuple[str, str]]] = {
 CHAINS: Final = ("elements", "rays per element", "light points", "light samples", "gather samples", "classic")
 """Groups whose settings lie along a line; those of a knob go through normal."""
 NORMAL: Final = "normal"
-_PLACES: Final = (
-    *((10, 5, "left"), (10, -12, "left"), (-10, 5, "right"), (-10, -12, "right")),
-    *((12, 24, "left"), (-12, -30, "right"), (12, -30, "left"), (-12, 24, "right")),
-    *((18, 44, "left"), (-18, -50, "right"), (18, -50, "left"), (26, 64, "left"), (-26, -70, "right")),
-)
-"""Of a name beside its mark, in points, the best first."""
-INK, FLOOR, FRONT = "#222222", "#d9d9d9", "#222222"
+FLOOR, FRONT = "#d9d9d9", "#222222"
 
 
 @dataclass(frozen=True)
@@ -46,6 +40,7 @@ class CostPoint:
 
     illuminance, spectrum : relative errors: root mean square, 95th percentile, largest
     illuminance_hidden, spectrum_hidden : they can't be told from the noise of the reference
+    efforts : by group, what grows along its line
     """
 
     name: str
@@ -58,6 +53,7 @@ class CostPoint:
     spectrum_hidden: bool
     on_front: bool
     on_spectral_front: bool
+    efforts: Mapping[str, float]
 
 
 @dataclass(frozen=True)
@@ -113,8 +109,11 @@ def draw_costs(picture: CostPicture) -> bytes:
     renderer = canvas.get_renderer()  # type: ignore[no-untyped-call]
     for axes, front in ((lux, "on_front"), (spectrum, "on_spectral_front")):
         name = "illuminance" if axes is lux else "spectrum"
-        chosen = [p for p in points if getattr(p, front) or p.group == "quality"]
-        _label(axes, [(p.seconds, 100.0 * getattr(p, name)[0], p.name) for p in chosen], points, name, renderer)
+        places = [(p.seconds, 100.0 * getattr(p, name)[0]) for p in points]
+        named = [getattr(p, front) or p.group == "quality" for p in points]
+        texts = [(*place, p.name) for place, p, told in zip(places, points, named) if told]
+        line = sorted(place for place, p in zip(places, points) if getattr(p, front))
+        label_points(axes, texts, [*places, *_along(line)], renderer)
     out = io.BytesIO()
     figure.savefig(out, dpi=110, format="png", metadata={"Software": None})
     return out.getvalue()
@@ -180,7 +179,8 @@ def _chains(axes: Axes, points: Sequence[CostPoint], name: str) -> None:
         members = [p for p in points if p.group == group]
         if not members:
             continue
-        chain = sorted(members + (usual if group != "classic" else []), key=lambda p: p.seconds)
+        along = members + (usual if group != "classic" else [])
+        chain = sorted(along, key=lambda p: p.efforts[group])
         axes.plot(
             [p.seconds for p in chain],
             [100.0 * getattr(p, name)[0] for p in chain],
@@ -189,6 +189,12 @@ def _chains(axes: Axes, points: Sequence[CostPoint], name: str) -> None:
             alpha=0.8,
             zorder=2,
         )
+
+
+def _along(line: Sequence[tuple[float, float]]) -> list[tuple[float, float]]:
+    """Points on the straight lines, in log-log, between those of a front."""
+    steps = [k / 10 for k in range(1, 10)]
+    return [(x0 ** (1 - t) * x1**t, y0 ** (1 - t) * y1**t) for (x0, y0), (x1, y1) in pairwise(line) for t in steps]
 
 
 def _memory(axes: Axes, points: Sequence[CostPoint]) -> None:
@@ -266,48 +272,3 @@ def _legend(figure: Figure, points: Sequence[CostPoint]) -> None:
     hollow: dict[str, Any] = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": "#444444", "linestyle": ""}
     handles.append(Line2D([], [], label="not to be told from the noise", **hollow))
     figure.legend(handles=handles, loc="outside lower center", ncols=7, fontsize=9, frameon=False)
-
-
-def _label(
-    axes: Axes,
-    texts: Sequence[tuple[float, float, str]],
-    points: Sequence[CostPoint],
-    name: str,
-    renderer: RendererBase,
-) -> None:
-    """Names beside their marks, each at the first place around it where it covers neither marks nor other names."""
-    from matplotlib.patheffects import withStroke
-
-    marks = [axes.transData.transform((p.seconds, 100.0 * getattr(p, name)[0])) for p in points]
-    frame = axes.get_window_extent(renderer)
-    taken: list[Any] = []
-    for x, y, text in sorted(texts):
-        for dx, dy, side in _PLACES:
-            note = axes.annotate(
-                text,
-                (x, y),
-                xytext=(dx, dy),
-                textcoords="offset points",
-                ha=side,
-                fontsize=8.5,
-                color=INK,
-                zorder=6,
-                path_effects=[withStroke(linewidth=2.5, foreground="white", alpha=0.85)],
-                arrowprops={"arrowstyle": "-", "color": "#777777", "linewidth": 0.6} if abs(dy) > 12 else None,
-            )
-            box = _text_box(note, renderer)
-            inside = frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
-            free = not any(box.overlaps(other) for other in taken)
-            clear = not any(box.x0 - 5 < mx < box.x1 + 5 and box.y0 - 5 < my < box.y1 + 5 for mx, my in marks)
-            if inside and free and clear:
-                taken.append(box)
-                break
-            note.remove()
-
-
-def _text_box(note: Annotation, renderer: RendererBase) -> Bbox:
-    """Of the words alone, without the line to the mark."""
-    from matplotlib.text import Text
-
-    note.update_positions(renderer)
-    return Text.get_window_extent(note, renderer)

@@ -374,7 +374,7 @@ def test_elements_that_are_no_others_are_skipped():
     run = CostRun(bench, 200.0)
     list(run.events())
     found = {item.name: item.reason for item in run.skipped if item.group == "elements"}
-    assert found["elements × 2"] == f"makes the {Options.elements} elements of normal: cells no smaller"
+    assert found["elements × 2"] == f"the {Options.elements} elements of normal again: cells no smaller"
 
 
 def test_solvers_that_are_refused_are_told():
@@ -391,5 +391,5 @@ def test_solvers_that_are_refused_are_told():
     bench.start = refusing
     run = CostRun(bench, 120.0)
     list(run.events())
-    assert "cg" in {s.name for s in run.solvers}
+    assert "cg" in {s.name for s in run.extras.solvers}
     assert [s.reason for s in run.skipped if s.name == "block-inversion"] == ["too many elements: 9000 elements"]

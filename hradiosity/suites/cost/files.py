@@ -14,6 +14,7 @@ from hradiosity.io.run_record import to_json
 from hradiosity.show.cost_plot import BandsPoint, CostPicture, CostPoint, draw_costs
 from hradiosity.suites.cost.pareto import pareto_front, quotes
 from hradiosity.suites.cost.pricing import costs_and_errors, front_of
+from hradiosity.suites.cost.settings import efforts_of
 from hradiosity.suites.cost.values import Price, Report
 from hradiosity.suites.cost.words import (
     Rows,
@@ -112,6 +113,7 @@ def picture_of(report: Report) -> CostPicture:
             spectrum_hidden=price.spectrum.below_floor,
             on_front=k in on_front,
             on_spectral_front=k in on_spectral_front,
+            efforts=efforts_of(price.setting.options),
         )
         for k, price in enumerate(report.prices)
     )

@@ -40,9 +40,9 @@ def report_of(run: CostRun, bench: SceneBench, *, complete: bool) -> Report:
         readings=int(truth.lit.sum()),
         prices=tuple(prices(run.runs, truth)),
         skipped=tuple(run.skipped),
-        solvers=tuple(run.solvers),
-        effects=tuple(run.effects),
-        bands=tuple(run.bands),
+        solvers=tuple(run.extras.solvers),
+        effects=tuple(run.extras.effects),
+        bands=tuple(run.extras.bands),
         complete=complete,
     )
 

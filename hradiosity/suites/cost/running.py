@@ -3,126 +3,36 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any, Final, Protocol
+from typing import Any, Final
 
-from hradiosity.errors import SceneError
 from hradiosity.model.scene import Scene
 from hradiosity.plan import Plan
-from hradiosity.solution import Readings
 from hradiosity.suites.cost.budget import Budget
 from hradiosity.suites.cost.combine import Change, propose
-from hradiosity.suites.cost.pricing import Truth, bands_prices, effect_price, prices
-from hradiosity.suites.cost.settings import (
-    BANDS,
-    FORCED,
-    KNOBS,
-    SOLVERS,
-    Setting,
-    classic,
-    combined,
-    for_bands,
-    for_solver,
-    forced,
-    qualities,
-    single_knobs,
-    warm_up,
-)
-from hradiosity.suites.cost.values import BandsPrice, EffectPrice, Price, Run, Skipped, SolverPrice
+from hradiosity.suites.cost.extras import OVER, Extras
+from hradiosity.suites.cost.pricing import Truth, prices
+from hradiosity.suites.cost.protocols import Bench, Event
+from hradiosity.suites.cost.settings import KNOBS, Setting, classic, combined, qualities, single_knobs, warm_up
+from hradiosity.suites.cost.values import Price, Run, Skipped
 
 FIRST_REFERENCE: Final = 0.18
-SWEEP: Final = 0.46
-COMBINATIONS: Final = 0.54
-SOLVING, EFFECTS, COUNTS = 0.58, 0.62, 0.68
+SWEEP: Final = 0.44
+COMBINATIONS: Final = 0.50
+SOLVING, EFFECTS, COUNTS = 0.56, 0.62, 0.70
 LATER_REFERENCE: Final = 0.86
 END: Final = 0.95
 """Shares of the budget after which each part ends, in their order; what one leaves over is the next one's. The last
 twentieth is for writing."""
+WORST: Final = 0.3
+"""The reference is never worse than is good for such an error."""
+FINE: Final = 0.12
+"""The quality fine does not wait for its turn if it takes no more than this share."""
 NOISE_GOAL: Final = 1.0 / 3.0
 """The reference is good enough when its noise is below this share of the best setting's error."""
 MOST_COMBINATIONS: Final = 6
 SEEDS: Final = 3
 SAME_ELEMENTS: Final = 0.02
 """Two cuts whose numbers of elements differ by less are one."""
-SLOWER_THAN_CG: Final = {"southwell": 60.0, "overshooting": 15.0, "jacobi": 15.0, "gauss-seidel": 15.0, "auto": 5.0}
-"""Seconds of other solvers over those of the conjugate gradients in a bright room (README); none is much slower."""
-DENSE_SECONDS, DENSE_ELEMENTS, DENSE_COLUMNS = 5.0, 542, 81
-"""What direct solvers took for so many elements and columns; it grows with the third power of the elements."""
-
-
-class StartedRun(Protocol):
-    """A setting whose plan is made."""
-
-    @property
-    def plan(self) -> Plan:
-        """What it will do."""
-        ...
-
-    @property
-    def predicted(self) -> float | None:
-        """Wall seconds until it is done."""
-        ...
-
-
-class Reference(Protocol):
-    """See `hradiosity.suites.cost.reference.GrowingReference`."""
-
-    @property
-    def paths(self) -> int:
-        """So far."""
-        ...
-
-    def advance(self, seconds: float) -> bool:
-        """One round."""
-        ...
-
-    def noise(self) -> float:
-        """Of the illuminances."""
-        ...
-
-    def readings(self) -> dict[str, Readings]:
-        """So far."""
-        ...
-
-
-class Bench(Protocol):
-    """See `hradiosity.suites.cost.bench.SceneBench`."""
-
-    @property
-    def reference(self) -> Reference:
-        """The referee."""
-        ...
-
-    def clock(self) -> float:
-        """Wall seconds."""
-        ...
-
-    def guess(self, setting: Setting) -> float | None:
-        """Predicted wall seconds."""
-        ...
-
-    def start(self, setting: Setting, seed: int = 0, scene: Scene | None = None) -> Any:
-        """Geometry and plan."""
-        ...
-
-    def finish(self, started: Any) -> Run:
-        """The rest."""
-        ...
-
-    def learn(self, run: Run, plan: Plan) -> None:
-        """Predict from this run."""
-        ...
-
-
-@dataclass(frozen=True)
-class Event:
-    """Something happened.
-
-    kind : "run", "skipped", "reference", "solver", "effect" or "bands"
-    """
-
-    kind: str
-    values: dict[str, Any]
 
 
 class CostRun:
@@ -138,19 +48,11 @@ class CostRun:
     """
 
     def __init__(self, bench: Bench, seconds: float, in_bands: Callable[[int], Scene] | None = None) -> None:
-        self.bench, self._in_bands = bench, in_bands
+        self.bench = bench
         self.budget = Budget(seconds, bench.clock)
         self.runs: list[Run] = []
         self.skipped: list[Skipped] = []
-        self.solvers: list[SolverPrice] = []
-        self.effects: list[EffectPrice] = []
-        self._bands: list[tuple[int, int, Run]] = []
-        self._solve_seconds = 0.0
-
-    @property
-    def bands(self) -> list[BandsPrice]:
-        """Prices of numbers of bands so far."""
-        return bands_prices(self._bands)
+        self.extras = Extras(bench, self.budget, self._skip, in_bands)
 
     def prices(self) -> list[Price]:
         """Prices of settings so far.
@@ -173,12 +75,16 @@ class CostRun:
         yield from self._run(draft, 1.0, base=True)
         self.bench.reference.advance(self.budget.left(FIRST_REFERENCE))
         yield from self._run(normal, SWEEP, base=True)
+        guess = self.bench.guess(fine)
+        at_once = guess is not None and guess <= FINE * self.budget.seconds
+        if at_once:
+            yield from self._run(fine, SWEEP)
         yield from self._refer(FIRST_REFERENCE)
-        yield from self._sweep([fine, *single_knobs(), *classic()], SWEEP)
+        yield from self._sweep([*([] if at_once else [fine]), *single_knobs(), *classic()], SWEEP)
         yield from self._combine(COMBINATIONS)
-        yield from self._try_solvers(SOLVING)
-        yield from self._try_effects(EFFECTS)
-        yield from self._try_bands(COUNTS)
+        yield from self.extras.try_solvers(SOLVING)
+        yield from self.extras.try_effects(self.runs, EFFECTS)
+        yield from self.extras.try_bands(self.runs, COUNTS)
         yield from self._refer(LATER_REFERENCE)
         yield from self._repeat(END)
         yield from self._refer(END)
@@ -193,7 +99,7 @@ class CostRun:
         twin = self._same_elements(setting, started.plan)
         if twin is not None:
             bound = f": {started.plan.size_bound}" if started.plan.size_bound else ""
-            yield self._skip(setting, None, f"makes the {twin} elements of normal{bound}")
+            yield self._skip(setting, None, f"the {twin.elements} elements of {twin.setting.name} again{bound}")
             return
         if started.predicted is not None and not self.budget.holds(started.predicted, share):
             yield self._skip(setting, started.predicted)
@@ -204,13 +110,12 @@ class CostRun:
             self.bench.learn(run, started.plan)
         yield self._event(run)
 
-    def _same_elements(self, setting: Setting, plan: Plan) -> int | None:
-        """Elements of normal when a setting that asks for others makes as many."""
-        usual = next((run for run in self.runs if run.setting.name == "normal"), None)
-        if setting.group != "elements" or usual is None:
+    def _same_elements(self, setting: Setting, plan: Plan) -> Run | None:
+        """The run that made as many elements, when a setting asks for others and can't have them."""
+        if setting.group != "elements":
             return None
-        same = abs(plan.n_elements / usual.elements - 1.0) < SAME_ELEMENTS
-        return usual.elements if same else None
+        alike = [run for run in self.runs if run.setting.group == "elements" or run.setting.name == "normal"]
+        return next((run for run in alike if abs(plan.n_elements / run.elements - 1.0) < SAME_ELEMENTS), None)
 
     def _sweep(self, settings: Sequence[Setting], share: float) -> Iterator[Event]:
         """All of them, the cheapest first; those of which nothing is known come after the others of their kind."""
@@ -232,7 +137,9 @@ class CostRun:
         yield Event("reference", {"paths": self.bench.reference.paths, "noise": noise, "spent": self.budget.spent})
 
     def _best_error(self) -> float:
-        return min((price.illuminance.rms for price in self.prices()), default=0.0) if self.runs else 0.0
+        """Of all settings, or what their replicates promise if that is less: a bad reference makes all look bad."""
+        found = self.prices() if self.runs else []
+        return min((min(price.illuminance.rms, price.sampling, WORST) for price in found), default=0.0)
 
     def _combine(self, share: float) -> Iterator[Event]:
         """Combinations that the single changes let hope for."""
@@ -256,82 +163,6 @@ class CostRun:
             if guess is not None and self.budget.holds(guess, share):
                 yield from self._run(setting, share)
 
-    def _try_solvers(self, share: float) -> Iterator[Event]:
-        """Each solver on draft's elements."""
-        for name in SOLVERS:
-            setting = for_solver(name)
-            guess = self.bench.guess(setting)
-            if guess is not None and not self.budget.holds(guess, share):
-                yield self._skip(setting, guess)
-                continue
-            try:
-                started = self.bench.start(setting)
-            except SceneError as error:
-                yield self._skip(setting, None, f"too many elements: {error.faults[0].found}")
-                continue
-            seconds = self._solver_seconds(name, started.plan)
-            if not self.budget.holds(seconds, share):
-                yield self._skip(setting, seconds)
-                continue
-            run = self.bench.finish(started)
-            found = run.convergence
-            if not found:
-                return
-            price = SolverPrice(name, run.elements, found["seconds"], found["products"], found["residual"][-1])
-            self._solve_seconds = price.cpu_seconds if name == "cg" else self._solve_seconds
-            self.solvers.append(price)
-            yield Event("solver", price.__dict__ | {"spent": self.budget.spent})
-
-    def _solver_seconds(self, name: str, plan: Plan) -> float:
-        """Wall seconds of two replicates, about."""
-        if name in SLOWER_THAN_CG:
-            return 2.0 * SLOWER_THAN_CG[name] * self._solve_seconds
-        if name == "cg":
-            return 0.0
-        return 2.0 * DENSE_SECONDS * (plan.n_elements / DENSE_ELEMENTS) ** 3 * plan.columns.n_columns / DENSE_COLUMNS
-
-    def _try_effects(self, share: float) -> Iterator[Event]:
-        """Each effect that may be forced, at the best quality that the time allows."""
-        usual = next((run for run in reversed(self.runs) if run.setting.name in ("draft", "normal")), None)
-        if usual is None:
-            return
-        if not self.budget.holds(len(FORCED) * usual.wall_seconds, share):
-            usual = next(run for run in self.runs if run.setting.group == "quality")
-        for name, flags, change in FORCED:
-            setting = Setting(name, "effect", forced(usual.setting.options, change))
-            if not self.budget.holds(usual.wall_seconds, share):
-                yield self._skip(setting, usual.wall_seconds)
-                continue
-            price = effect_price(name, flags, usual, self.bench.finish(self.bench.start(setting)))
-            self.effects.append(price)
-            yield Event("effect", price.__dict__ | {"spent": self.budget.spent})
-
-    def _try_bands(self, share: float) -> Iterator[Event]:
-        """The scene in other bands."""
-        draft = next((run for run in self.runs if run.setting.name == "draft"), None)
-        if draft is None or self._in_bands is None:
-            return
-        per_column = draft.wall_seconds
-        for count in BANDS:
-            setting = for_bands(count)
-            if not self.budget.holds(per_column, share):
-                yield self._skip(setting, per_column)
-                continue
-            try:
-                scene = self._in_bands(count)
-            except SceneError as error:
-                yield self._skip(setting, None, error.faults[0].found)
-                continue
-            started = self.bench.start(setting, scene=scene)
-            before = self.budget.spent
-            run = self.bench.finish(started)
-            columns = started.plan.columns.n_columns
-            self._bands.append((count, columns, run))
-            longer = BANDS[min(BANDS.index(count) + 1, len(BANDS) - 1)] / count
-            per_column = max(self.budget.spent - before, draft.wall_seconds) * max(longer / 2.0, 1.0)
-            values = {"bands": count, "columns": columns, "cpu_seconds": run.cpu_seconds}
-            yield Event("bands", values | {"spent": self.budget.spent})
-
     def _repeat(self, share: float) -> Iterator[Event]:
         """Further seeds, for what is on the front first, then for all that there is time for."""
         for seed in range(1, SEEDS):
@@ -342,7 +173,7 @@ class CostRun:
                     self.runs.append(run)
                     yield self._event(run)
 
-    def _skip(self, setting: Setting, predicted: float | None, reason: str = "over the budget") -> Event:
+    def _skip(self, setting: Setting, predicted: float | None, reason: str = OVER) -> Event:
         skipped = Skipped(setting.name, setting.group, predicted, reason)
         self.skipped.append(skipped)
         return Event("skipped", skipped.__dict__ | {"spent": self.budget.spent})

@@ -155,3 +155,9 @@ def forced(options: Options, change: dict[str, bool]) -> Options:
     """Options with an effect of `FORCED`."""
     changes: dict[str, Any] = dict(change)
     return replace(options, **changes)
+
+
+def efforts_of(options: Options) -> dict[str, float]:
+    """What grows along each group of settings."""
+    found: dict[str, float] = {word: float(getattr(options, name)) for name, word in KNOBS.items()}
+    return found | {"replicates": float(options.replicates), "classic": float(options.hemicube_resolution)}
