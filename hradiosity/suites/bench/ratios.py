@@ -66,7 +66,7 @@ def differences(old: Report, new: Report) -> list[str]:
         lines += _difference(name, old.versions.get(name), new.versions.get(name))
     lines += _difference("quick", str(old.quick), str(new.quick))
     for have, lack, which in ((old, new, "old"), (new, old, "new")):
-        only = {f.name for f in have.figures} - {f.name for f in lack.figures}
+        only = {f"{f.name} [{f.unit}]" for f in have.figures} - {f"{f.name} [{f.unit}]" for f in lack.figures}
         lines += [f"only in the {which} run: {', '.join(sorted(only))}"] if only else []
     return lines
 
