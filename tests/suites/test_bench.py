@@ -8,7 +8,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from hradiosity.io.scene_toml import load_scene
@@ -34,7 +34,8 @@ figures = st.builds(
 )
 
 
-@given(st.lists(figures))
+@settings(max_examples=30)
+@given(st.lists(figures, max_size=4))
 def test_json_gives_back_the_same_run(found):
     made = a_report(*found)
     assert report.from_json(report.to_json(made)) == made

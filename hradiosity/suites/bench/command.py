@@ -7,10 +7,8 @@ import sys
 from collections.abc import Sequence
 from pathlib import Path
 
-from hradiosity.device import Device
 from hradiosity.suites.bench import ratios, report
 from hradiosity.suites.bench.sections import SECTIONS, choose, run
-from hradiosity.suites.bench.session import Session
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -36,6 +34,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _measure(names: Sequence[str], *, quick: bool, out: Path | None) -> None:
     if out is not None and not out.parent.is_dir():
         raise ValueError(f"{out.parent} is no folder")
+    from hradiosity.device import Device
+    from hradiosity.suites.bench.session import Session
+
     session = Session(Device(), quick)
     figures = run(names, session, lambda name: print(f"measuring {name} …", file=sys.stderr, flush=True))
     found = report.make_report(figures, session.notes, device=session.device.description, quick=quick)

@@ -4,22 +4,14 @@ from __future__ import annotations
 
 import difflib
 from collections.abc import Callable, Sequence
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
-from hradiosity.suites import bench_form_factors, bench_rays, bench_solvers
-from hradiosity.suites.bench import peers, scenes, start, structure
 from hradiosity.suites.bench.figure import Figure
-from hradiosity.suites.bench.session import Session
 
-SECTIONS: Final[dict[str, Callable[[Session], list[Figure]]]] = {
-    "rays": bench_rays.measure,
-    "bvh": structure.measure,
-    "form-factors": bench_form_factors.measure,
-    "solvers": bench_solvers.measure,
-    "scenes": scenes.measure,
-    "start": start.measure,
-    "peers": peers.measure,
-}
+if TYPE_CHECKING:
+    from hradiosity.suites.bench.session import Session
+
+SECTIONS: Final = ("rays", "bvh", "form-factors", "solvers", "scenes", "start", "peers")
 """In the order in which they run."""
 
 
@@ -48,8 +40,18 @@ def _unknown(name: str) -> str:
 
 def run(names: Sequence[str], session: Session, show: Callable[[str], None]) -> list[Figure]:
     """Figures of the sections, each announced with `show`."""
+    measures = _measures()
     figures: list[Figure] = []
     for name in names:
         show(name)
-        figures += SECTIONS[name](session)
+        figures += measures[name](session)
     return figures
+
+
+def _measures() -> dict[str, Callable[[Session], list[Figure]]]:
+    """What measures each section; imported here, so that help and comparisons need none of it."""
+    from hradiosity.suites import bench_form_factors, bench_rays, bench_solvers
+    from hradiosity.suites.bench import peers, scenes, start, structure
+
+    modules = (bench_rays, structure, bench_form_factors, bench_solvers, scenes, start, peers)
+    return {name: module.measure for name, module in zip(SECTIONS, modules, strict=True)}
