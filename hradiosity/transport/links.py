@@ -203,7 +203,8 @@ def refine_links(finder: LinkFinder, nodes: Nodes, space: NDArray[np.integer], r
     SceneError
         When there are more links than fit.
     """
-    kept: list[Links] = []
+    nothing = np.zeros(0, np.int64)
+    kept = [Links(nothing, nothing, nothing.astype(np.float32), nothing.astype(np.uint8))]
     pending = _root_links(finder, nodes, space, rules)
     while len(pending):
         decision, factor = finder.judge(pending.first, pending.second, rules.form_factor)
