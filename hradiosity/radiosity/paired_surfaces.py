@@ -18,7 +18,7 @@ from hradiosity.space.shafts import FARTHEST
 from hradiosity.transport.cell_pairs import RANDOM, CellPairs, RowPairs, check_pairs, pair_bytes, symmetric
 from hradiosity.transport.exchange import ClosedRows, RowHits, closed_exchange, seen_areas
 from hradiosity.transport.form_factor.hemicube import Hemicube
-from hradiosity.transport.outside import remaining_outside
+from hradiosity.transport.outside import outside_areas
 from hradiosity.transport.pair_sight import open_share
 
 COMPARED_PAIRS = 100_000
@@ -69,10 +69,17 @@ class PairedSurfaces(SurfaceSolver):
         self.record.rays += rays
         exchange = share * pairs.exchange
         self._tell(pairs, exchange, share_error, rays)
-        area, outside, sky = seen_areas(hits, self.elements)
-        pooled = symmetric(pairs, exchange, len(self.elements))
+        area, _, _ = seen_areas(hits, self.elements)
+        n_rows = len(self.elements)
+        pooled = symmetric(pairs, exchange, n_rows)
+        # Errors of a method have one sign, those of visibility have any.
+        errors = (
+            symmetric(pairs, share * pairs.error, n_rows).sum(axis=1),
+            np.sqrt(symmetric(pairs, (share_error * pairs.exchange) ** 2, n_rows).sum(axis=1)),
+        )
         received = np.asarray(pooled.sum(axis=1)).ravel()
-        outside, sky = remaining_outside(received, area, outside, sky, self.space, self._lit.open)
+        error = np.asarray(errors[0]).ravel() + np.asarray(errors[1]).ravel()
+        outside, sky = outside_areas(hits, self.elements, received, error, self.space, self._lit.open)
         return closed_exchange(pooled, outside, sky, area, reciprocity_rms=0.0, lost_share=hits.lost_share)
 
     def _row_pairs(self, seed: int) -> RowPairs:

@@ -11,12 +11,12 @@ from hradiosity.errors import SceneError
 from hradiosity.radiosity.paired_surfaces import pooled_factors, random_cells
 from hradiosity.reference.form_factors import parallel_rectangles, perpendicular_rectangles, polygon_pair
 from hradiosity.space.bvh_build import build_bvh
-from hradiosity.space.hierarchy import build_elements
+from hradiosity.space.hierarchy import MISS, SKY, build_elements
 from hradiosity.space.lit_sides import find_lit_sides
 from hradiosity.transport.cell_pairs import METHOD_SETTINGS, CellPairs, check_pairs, symmetric
 from hradiosity.transport.device_scene import upload_elements, upload_scene
-from hradiosity.transport.exchange import trace_rows
-from hradiosity.transport.outside import remaining_outside
+from hradiosity.transport.exchange import RowHits, trace_rows
+from hradiosity.transport.outside import outside_areas
 from hradiosity.transport.pair_sight import open_share
 
 OPPOSITE, ADJACENT = 0.19982489569838746, 0.20004377607540315
@@ -192,13 +192,27 @@ def test_too_many_pairs_are_refused():
     assert "31996000 pairs" in message and "4000 elements" in message and "bytes" in message
 
 
-def test_outside_is_what_is_left():
-    received, area = np.array([0.5, 1.0, 1.2, 0.5]), np.ones(4)
-    out, sky = np.array([0.25, 0.0, 0.0, 0.0]), np.array([0.125, 0.0, 0.0, 0.0])
-    space = np.array([0, 0, 0, 1])
-    outside, up = remaining_outside(received, area, out, sky, space, np.array([True, False]))
-    np.testing.assert_array_equal(outside, [0.5, 0.0, 0.0, 0.0])
-    np.testing.assert_array_equal(up, [0.25, 0.0, 0.0, 0.0])
+def test_outside_is_what_is_left_of_exact_factors_and_what_rays_say_of_poor_ones():
+    """Four elements of an area of 1 whose rays leave in 3 of 8 cases, 2 of them upwards; the last is in a closed
+    room."""
+    b = SceneBuilder(1)
+    grey = b.material(0.5)
+    for k in range(4):
+        b.patch((0, 0, k), (1, 0, 0), (0, 1, 0), grey)
+    space = np.tile(np.array([[0, -1]], np.int32), (4, 1))
+    elements = build_elements(b.scene().patches, space, np.array([True]), 100.0, grouping=False)
+    row = np.zeros((4, 8), np.uint32)
+    row[:3, :2], row[:3, 2] = SKY, MISS
+    hits = RowHits(row, np.zeros_like(row), None)
+    received = np.array([0.5, 0.5, 1.2, 0.5])
+    where = np.array([0, 0, 0, 1]), np.array([True, False])
+    outside, sky = outside_areas(hits, elements, received, np.zeros(4), *where)
+    np.testing.assert_allclose(outside, [0.5, 0.5, 0.0, 0.0])
+    np.testing.assert_allclose(sky, outside * 2 / 3)
+    outside, _ = outside_areas(hits, elements, received, np.full(4, 1e9), *where)
+    np.testing.assert_allclose(outside, [0.375, 0.375, 0.375, 0.0])
+    outside, _ = outside_areas(hits, elements, received, np.full(4, 0.17), *where)
+    assert 0.375 < outside[0] < 0.5 and 0.0 < outside[2] < 0.375
 
 
 def test_pooled_factors_are_reciprocal_and_exact_for_exact_factors():
