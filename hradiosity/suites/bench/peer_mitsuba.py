@@ -21,12 +21,18 @@ from hradiosity.model.scene import Scene
 _VARIANT: Final = "llvm_ad_spectral"
 _WAVELENGTHS: Final = 4
 """Of each path, in that variant."""
+_FACET: Final = 2e-4
+"""Edge of the facets [m]."""
+_HEIGHT: Final = 5e-4
+"""Paths start so far in front of them [m]."""
 _FIRST_PATHS: Final = 256
 _LONGEST_PILOT: Final = 3
 
 
 class MitsubaRoom:
-    """A scene there.
+    """A scene there, with a white facet at each reading.
+
+    Its exitance is the irradiance. So lamps are sampled at the reading too, which an irradiance meter there is not.
 
     Raises
     ------
@@ -42,7 +48,8 @@ class MitsubaRoom:
         mitsuba.set_variant(_VARIANT)
         self._scene = scene
         with tempfile.TemporaryDirectory() as folder:
-            self._there = mitsuba.load_dict({"type": "scene"} | _shapes(scene, Path(folder)))
+            shapes = _shapes(scene, Path(folder)) | {"facets": _facets(scene, Path(folder))}
+            self._there = mitsuba.load_dict({"type": "scene"} | shapes)
         self._integrator = mitsuba.load_dict({"type": "path", "max_depth": -1, "rr_depth": 8})
 
     def irradiance(self, paths: int, seed: int) -> NDArray[np.float64]:
@@ -63,9 +70,8 @@ class MitsubaRoom:
             columns = [mitsuba.Float(np.ascontiguousarray(rows[:, axis], np.float32)) for axis in range(3)]
             return [drjit.gather(mitsuba.Float, column, reading) for column in columns]
 
-        local = mitsuba.warp.square_to_cosine_hemisphere(sampler.next_2d())
-        towards = mitsuba.Frame3f(mitsuba.Normal3f(*gathered(normal))).to_world(local)
-        ray = mitsuba.RayDifferential3f(mitsuba.Ray3f(mitsuba.Point3f(*gathered(place)), towards))
+        onto = mitsuba.Vector3f(*gathered(-normal))
+        ray = mitsuba.RayDifferential3f(mitsuba.Ray3f(mitsuba.Point3f(*gathered(place)) - _HEIGHT * onto, onto))
         first, waves = sampler.next_1d(), type(ray.wavelengths)()
         for i in range(_WAVELENGTHS):
             turned = first + i / _WAVELENGTHS
@@ -102,6 +108,18 @@ def _shapes(scene: Scene, folder: Path) -> dict[str, Any]:
     return shapes
 
 
+def _facets(scene: Scene, folder: Path) -> dict[str, Any]:
+    """Small white triangles around the readings, facing as they do."""
+    place, normal = (np.concatenate([getattr(s, key) for s in scene.sensors]) for key in ("position", "normal"))
+    across = np.cross(normal, np.eye(3)[np.abs(normal).argmin(axis=1)])
+    across *= _FACET / np.linalg.norm(across, axis=1, keepdims=True)
+    along = np.cross(normal, across)
+    file = folder / "facets.ply"
+    _write_ply(file, np.stack([place + across, place - 0.5 * across + along, place - 0.5 * across - along], axis=1))
+    white = {"type": "diffuse", "reflectance": {"type": "uniform", "value": 1.0}}
+    return {"type": "ply", "filename": str(file), "face_normals": True, "bsdf": white}
+
+
 def _write_ply(path: Path, triangles: NDArray[np.float64]) -> None:
     """Triangles (n, 3, 3) that share no corners."""
     n = len(triangles)
@@ -115,9 +133,10 @@ def _write_ply(path: Path, triangles: NDArray[np.float64]) -> None:
 
 
 def _spectrum(scene: Scene, values: NDArray[np.float64]) -> dict[str, Any]:
-    centre = scene.bands.centre
-    text = ",".join(f"{value:.9g}" for value in values)
-    return {"type": "regular", "wavelength_min": float(centre[0]), "wavelength_max": float(centre[-1]), "values": text}
+    """Means of the bands at their centres, held out to the edges of the first and the last one."""
+    bands = scene.bands
+    waves = np.concatenate([bands.lower[:1], bands.centre, bands.upper[-1:]])
+    return {"type": "spectrum", "value": list(zip(waves.tolist(), np.pad(values, 1, "edge").tolist()))}
 
 
 def main() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import subprocess
 import sys
 import tempfile
@@ -10,7 +11,7 @@ import time
 from collections.abc import Sequence
 from pathlib import Path
 
-from hradiosity.suites.bench.figure import WALL, Figure, figure_of
+from hradiosity.suites.bench.figure import CPU, WALL, Figure, figure_of
 from hradiosity.suites.bench.scenes import scene_file
 from hradiosity.suites.bench.session import Session
 
@@ -18,21 +19,25 @@ from hradiosity.suites.bench.session import Session
 def measure(session: Session) -> list[Figure]:
     """``--help``, import, and the first pictures of the Cornell box, all with kernels that were built before."""
     commands = {"--help": ("-m", "hradiosity", "--help"), "import hradiosity": ("-c", "import hradiosity")}
-    figures = [
-        figure_of(f"start: {name}", _durations(command, session.turns), WALL) for name, command in commands.items()
-    ]
+    figures: list[Figure] = []
+    for name, command in commands.items():
+        spent = _durations(command, session.turns)
+        figures.append(figure_of(f"start: {name}", [cpu for cpu, _ in spent], CPU))
+        figures.append(figure_of(f"start: {name}", [wall for _, wall in spent], WALL))
     scene = scene_file(session, "cornell_box")
     return figures if scene is None else figures + _first_pictures(scene, session.turns)
 
 
-def _durations(command: Sequence[str], turns: int) -> list[float]:
-    """Wall seconds of each turn, after one that is not counted."""
+def _durations(command: Sequence[str], turns: int) -> list[tuple[float, float]]:
+    """CPU and wall seconds of each turn, after one that is not counted."""
     _output(command)
     durations = []
     for _ in range(turns):
-        begun = time.perf_counter()
+        before, begun = os.times(), time.perf_counter()
         _output(command)
-        durations.append(time.perf_counter() - begun)
+        after, ended = os.times(), time.perf_counter()
+        cpu = after.children_user - before.children_user + after.children_system - before.children_system
+        durations.append((cpu, ended - begun))
     return durations
 
 
