@@ -26,15 +26,13 @@ typedef struct {
     float3 normal;
 } hr_facet;
 
-HR_FORCE_INLINE hr_facet hr_load_facet(const uint facet, HR_NODE_PARAMS)
+HR_FORCE_INLINE void hr_load_facet(const uint facet, hr_facet *f, HR_NODE_PARAMS)
 {
-    hr_facet f;
     for (uint k = 0; k < 4u; ++k)
-        f.point[1u + k] = hr_load3(facet_corner, 4u * facet + k);
-    f.point[0] = facet_kind[facet] ? (f.point[1] + f.point[2] + f.point[3]) * 0.33333333f
-                                   : 0.5f * (f.point[1] + f.point[3]);
-    f.normal = hr_load3(facet_normal, facet);
-    return f;
+        f->point[1u + k] = hr_load3(facet_corner, 4u * facet + k);
+    f->point[0] = facet_kind[facet] ? (f->point[1] + f->point[2] + f->point[3]) * 0.33333333f
+                                    : 0.5f * (f->point[1] + f->point[3]);
+    f->normal = hr_load3(facet_normal, facet);
 }
 
 /* Does any corner of g rise more than `flat` over the plane of f? */
@@ -87,9 +85,11 @@ HR_FORCE_INLINE float hr_node_factor(const uint p, const uint q, const float are
     float most = -1.0f;
     const int is_close = hr_is_close(p, q, node_sphere);
     for (uint i = node_facet[p]; i < node_facet[p + 1]; ++i) {
-        const hr_facet f = hr_load_facet(i, HR_NODE);
+        hr_facet f;
+        hr_load_facet(i, &f, HR_NODE);
         for (uint j = node_facet[q]; j < node_facet[q + 1]; ++j) {
-            const hr_facet g = hr_load_facet(j, HR_NODE);
+            hr_facet g;
+            hr_load_facet(j, &g, HR_NODE);
             if (hr_rises(&g, &f, flat) && hr_rises(&f, &g, flat))
                 most = hr_larger(most, is_close ? 1.0f : area * hr_facet_factor(&f, &g, area));
         }
@@ -104,7 +104,8 @@ typedef struct {
     uint side; /* 2 patch + side */
 } hr_node_point;
 
-HR_FORCE_INLINE hr_node_point hr_point_of_node(const uint node, const float s, const float t, HR_NODE_PARAMS)
+HR_FORCE_INLINE void hr_point_of_node(const uint node, const float s, const float t, hr_node_point *place,
+                                      HR_NODE_PARAMS)
 {
     uint facet = node_facet[node];
     while (facet + 1u < node_facet[node + 1] && s >= facet_share[facet])
@@ -114,12 +115,10 @@ HR_FORCE_INLINE hr_node_point hr_point_of_node(const uint node, const float s, c
     if (facet_kind[facet])
         at = hr_square_to_triangle(at.x, at.y);
     const float3 corner = hr_load3(facet_corner, 4u * facet);
-    hr_node_point place;
-    place.position = corner + at.x * (hr_load3(facet_corner, 4u * facet + 1u) - corner) +
-                     at.y * (hr_load3(facet_corner, 4u * facet + 3u) - corner);
-    place.normal = hr_load3(facet_normal, facet);
-    place.side = facet_side[facet];
-    return place;
+    place->position = corner + at.x * (hr_load3(facet_corner, 4u * facet + 1u) - corner) +
+                      at.y * (hr_load3(facet_corner, 4u * facet + 3u) - corner);
+    place->normal = hr_load3(facet_normal, facet);
+    place->side = facet_side[facet];
 }
 
 /* Where the ray from x along d meets the lit side of a facet, in lengths of d; 0 where it doesn't. */

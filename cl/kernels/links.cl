@@ -40,17 +40,17 @@ __kernel void judge_links(HR_NODE_PARAMS,
 
 /* Is the way from x to y free, with light at both ends? Inside a solid that stands in a corner, two covered places see
    each other past faces that lie in theirs. */
-HR_FORCE_INLINE int hr_is_open(const hr_node_point x, const hr_node_point y, const float scale,
+HR_FORCE_INLINE int hr_is_open(const hr_node_point *x, const hr_node_point *y, const float scale,
                                __global const float *patch_normal, HR_SOLID_PARAMS, HR_BVH_PARAMS)
 {
-    const float3 origin = hr_offset_origin(x.position, x.normal, scale);
-    const float3 way = y.position - origin;
-    if (hr_any_hit(HR_BVH, origin, way, 1.0f, x.side >> 1, y.side >> 1))
+    const float3 origin = hr_offset_origin(x->position, x->normal, scale);
+    const float3 way = y->position - origin;
+    if (hr_any_hit(HR_BVH, origin, way, 1.0f, x->side >> 1, y->side >> 1))
         return 0;
     const float length = sqrt(hr_dot(way, way));
     hr_hit hit;
-    hit.patch = y.side >> 1;
-    hit.side = y.side & 1u;
+    hit.patch = y->side >> 1;
+    hit.side = y->side & 1u;
     hit.t = length;
     hit.u = hit.v = 0.0f;
     return !hr_leaves_solid(hit, origin, way / length, scale, patch_normal, HR_SOLID, HR_BVH);
@@ -58,11 +58,11 @@ HR_FORCE_INLINE int hr_is_open(const hr_node_point x, const hr_node_point y, con
 
 /* Adds a pair of points that both of two ways of drawing may give: evenly on the areas, or along a direction with
    density cos / pi. Its weight by the balance heuristic (Veach & Guibas 1995) stays bounded however near they are. */
-HR_FORCE_INLINE void hr_add_pair(const hr_node_point x, const hr_node_point y, const float even, const int directed,
+HR_FORCE_INLINE void hr_add_pair(const hr_node_point *x, const hr_node_point *y, const float even, const int directed,
                                  float *sum, float *seen, const float scale, __global const float *patch_normal,
                                  HR_SOLID_PARAMS, HR_BVH_PARAMS)
 {
-    const float density = hr_point_kernel(x.normal, y.position - x.position, y.normal);
+    const float density = hr_point_kernel(x->normal, y->position - x->position, y->normal);
     if (!(density > 0.0f))
         return;
     const float weight = directed ? density / (even + density) : density / even;
@@ -95,10 +95,11 @@ __kernel void sample_links(HR_BVH_PARAMS, HR_NODE_PARAMS, HR_SOLID_PARAMS,
     const uint wanted = n_samples[i];
     float sum = 0.0f, seen = 0.0f;
     for (uint k = 0; k < wanted || (sum == 0.0f && k < wanted + HR_LINK_PATIENCE); ++k) {
-        const hr_node_point x = hr_point_of_node(p, hr_sample(k, 0, key), hr_sample(k, 1, key), HR_NODE);
+        hr_node_point x, y;
+        hr_point_of_node(p, hr_sample(k, 0, key), hr_sample(k, 1, key), &x, HR_NODE);
         const float s = hr_sample(k, 2, key), t = hr_sample(k, 3, key);
-        hr_node_point y = hr_point_of_node(q, s, t, HR_NODE);
-        hr_add_pair(x, y, even, directed, &sum, &seen, scale, patch_normal, HR_SOLID, HR_BVH);
+        hr_point_of_node(q, s, t, &y, HR_NODE);
+        hr_add_pair(&x, &y, even, directed, &sum, &seen, scale, patch_normal, HR_SOLID, HR_BVH);
         if (!directed)
             continue;
         const float3 d = hr_cosine_direction(x.normal, s, t);
@@ -108,7 +109,7 @@ __kernel void sample_links(HR_BVH_PARAMS, HR_NODE_PARAMS, HR_SOLID_PARAMS,
             y.normal = hr_load3(facet_normal, facet);
             y.side = facet_side[facet];
             if (length > 0.0f)
-                hr_add_pair(x, y, even, 1, &sum, &seen, scale, patch_normal, HR_SOLID, HR_BVH);
+                hr_add_pair(&x, &y, even, 1, &sum, &seen, scale, patch_normal, HR_SOLID, HR_BVH);
         }
     }
     total[i] = sum;

@@ -17,13 +17,18 @@ from hradiosity.radiosity.surfaces import Record, SurfaceSolver
 from hradiosity.readings.paths import trace_referee
 from hradiosity.readings.sensors import PathRules, read_points
 from hradiosity.show.camera import trace_view
+from hradiosity.solvers.link_operator import LinkOperator
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import build_elements
 from hradiosity.space.lit_sides import LitSides
-from hradiosity.transport.device_scene import upload_scene
+from hradiosity.space.nodes import build_nodes
+from hradiosity.transport.device_scene import upload_elements, upload_scene
+from hradiosity.transport.exchange import trace_rows
 from hradiosity.transport.form_factor.hemicube import Hemicube
 from hradiosity.transport.form_factor.interface import form_factor
 from hradiosity.transport.form_factor.methods import METHODS
+from hradiosity.transport.link_exchange import build_link_exchange, link_nodes
+from hradiosity.transport.links import LinkFinder, Refinement
 
 pytestmark = pytest.mark.oclgrind
 LOG = Path(os.environ.get("OCLGRIND_LOG", os.devnull))
@@ -136,3 +141,19 @@ def test_form_factors_of_pairs(device):
         )
         assert found.value[0] > 0.1 and ((found.value >= 0.0) & (found.value < 0.8)).all()
         assert found.visibility[0] < 1.0
+
+
+def test_hierarchical_links(device):
+    """Refinement, sampling and a product over two levels, with two groups of columns."""
+    scene = furnished_cube(1)
+    lit = lit_fronts(scene)
+    bvh = build_bvh(device, scene.patches)
+    elements = build_elements(scene.patches, lit.space, np.ones(len(scene.materials), bool), 0.35)
+    on_device, nodes = upload_scene(device, scene, bvh, occlusion=True), build_nodes(scene.patches, elements)
+    finder = LinkFinder(on_device, nodes)
+    rules = Refinement(form_factor=0.3, occlusion=True, reach=1.0, seed=1)
+    linked = link_nodes(finder, nodes, np.zeros(len(nodes.roots)), rules, 2)
+    hits = trace_rows(on_device, upload_elements(device, elements), 4, 1)
+    operator = LinkOperator(device, build_link_exchange(linked, hits, elements, 1))
+    product = operator.apply(np.ones((len(elements), 16), np.float32))
+    assert nodes.n_levels == 2 and (product > 0.0).any() and np.isfinite(product).all()

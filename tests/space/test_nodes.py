@@ -24,7 +24,7 @@ def nodes_of(size, *, back=False, triangle=False, edges=((1.0, 0.0, 0.0), (0.2, 
 @pytest.mark.parametrize("back", [False, True])
 @pytest.mark.parametrize("size", [0.5, 0.21, 0.1, 0.07])
 def test_children_tile_their_parents(size, back, triangle):
-    patches, elements, nodes = nodes_of(size, back=back, triangle=triangle)
+    _, elements, nodes = nodes_of(size, back=back, triangle=triangle)
     area, centre = nodes.areas(), nodes.facets.corners.mean(axis=1)
     np.testing.assert_allclose(area[: len(elements)], elements.area, rtol=1e-12)
     gathered = nodes.gathering() @ elements.area
@@ -44,7 +44,7 @@ def test_children_tile_their_parents(size, back, triangle):
 
 @pytest.mark.parametrize("back", [False, True])
 def test_corners_run_counter_clockwise_about_the_normal(back):
-    patches, _, nodes = nodes_of(0.1, back=back, triangle=True)
+    _, _, nodes = nodes_of(0.1, back=back, triangle=True)
     corners = nodes.facets.corners
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert (np.einsum("nd,nd->n", across, nodes.facets.normal) > 0.0).all()
