@@ -8,7 +8,8 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from hradiosity.suites.bench import ratios, report
-from hradiosity.suites.bench.sections import SECTIONS, choose, run
+from hradiosity.suites.bench.figure import Figure
+from hradiosity.suites.bench.sections import SECTIONS, choose, measure
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -38,12 +39,15 @@ def _measure(names: Sequence[str], *, quick: bool, out: Path | None) -> None:
     from hradiosity.suites.bench.session import Session
 
     session = Session(Device(), quick)
-    figures = run(names, session, lambda name: print(f"measuring {name} …", file=sys.stderr, flush=True))
-    found = report.make_report(figures, session.notes, device=session.device.description, quick=quick)
+    figures: list[Figure] = []
+    for name in names:
+        print(f"measuring {name} …", file=sys.stderr, flush=True)
+        figures += measure(name, session)
+        found = report.make_report(figures, session.notes, device=session.device.description, quick=quick)
+        if out is not None:  # after each section, since an interruption should not cost the earlier ones
+            out.write_text(report.to_json(found), encoding="utf-8")
     print(f"{found.machine['processor']}, {found.machine['cores']} cores; {found.device}")
     print(report.table(found))
-    if out is not None:
-        out.write_text(report.to_json(found), encoding="utf-8")
 
 
 def _compare(old_file: Path, new_file: Path) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import difflib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Final
 
 from hradiosity.suites.bench.figure import Figure
@@ -38,20 +38,18 @@ def _unknown(name: str) -> str:
     return f"{name!r} is no section: {meant}there are {', '.join(SECTIONS)}"
 
 
-def run(names: Sequence[str], session: Session, show: Callable[[str], None]) -> list[Figure]:
-    """Figures of the sections, each announced with `show`."""
-    measures = _measures()
-    figures: list[Figure] = []
-    for name in names:
-        show(name)
-        figures += measures[name](session)
-    return figures
-
-
-def _measures() -> dict[str, Callable[[Session], list[Figure]]]:
-    """What measures each section; imported here, so that help and comparisons need none of it."""
+def measure(name: str, session: Session) -> list[Figure]:
+    """Figures of one section, whose modules are imported only now: help and comparisons need none of them."""
     from hradiosity.suites import bench_form_factors, bench_rays, bench_solvers
     from hradiosity.suites.bench import peers, scenes, start, structure
 
-    modules = (bench_rays, structure, bench_form_factors, bench_solvers, scenes, start, peers)
-    return {name: module.measure for name, module in zip(SECTIONS, modules, strict=True)}
+    measures: dict[str, Callable[[Session], list[Figure]]] = {
+        "rays": bench_rays.measure,
+        "bvh": structure.measure,
+        "form-factors": bench_form_factors.measure,
+        "solvers": bench_solvers.measure,
+        "scenes": scenes.measure,
+        "start": start.measure,
+        "peers": peers.measure,
+    }
+    return measures[name](session)
