@@ -24,6 +24,8 @@ GROUPS: Final[dict[str, tuple[str, str]]] = {
     "gather samples": ("#0072B2", "o"),
     "lookup": ("#D55E00", "P"),
     "replicates": ("#CC79A7", "X"),
+    "form factors": ("#8C564B", "<"),
+    "links": ("#117733", ">"),
     "combined": ("#777777", "h"),
     "classic": ("#7B3294", "p"),
 }

@@ -24,6 +24,7 @@ def short(monkeypatch, device):
     monkeypatch.setattr(extras, "BANDS", (9, 24))
     monkeypatch.setattr(running, "single_knobs", lambda: settings.single_knobs()[:1])
     monkeypatch.setattr(running, "classic", lambda: settings.classic()[:1])
+    monkeypatch.setattr(running, "methods", lambda: settings.methods()[1:2])
     monkeypatch.setattr(running, "SEEDS", 1)
     monkeypatch.setattr(SceneBench, "clock", lambda bench: bench.device.work_cpu_seconds())
 

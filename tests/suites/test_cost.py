@@ -17,7 +17,7 @@ from hradiosity.suites.cost.errors import Error, error_of, without_noise
 from hradiosity.suites.cost.pareto import pareto_front, quote, quotes
 from hradiosity.suites.cost.pricing import Truth, bands_prices, effect_price, largest_spread, prices
 from hradiosity.suites.cost.running import CostRun
-from hradiosity.suites.cost.settings import classic, combined, qualities, single_knobs
+from hradiosity.suites.cost.settings import classic, combined, methods, qualities, single_knobs
 from hradiosity.suites.cost.values import Price, Report, Run, Skipped
 from hradiosity.suites.cost.words import markdown, price_rows, recommendation, seconds_text, share_text
 from hradiosity.suites.cost.work import predict, work_of
@@ -144,8 +144,8 @@ def test_prices_between_settings_are_straight_in_log_log():
 
 def test_quotes_end_one_beyond_the_best():
     found = quotes(np.array([1.0, 100.0]), np.array([0.1, 0.005]))
-    assert [q.target for q in found] == [0.03, 0.01, 0.003]
-    assert [q.kind for q in found] == ["interpolated", "interpolated", "extrapolated"]
+    assert [q.target for q in found] == [0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.003]
+    assert [q.kind for q in found] == ["at most", *["interpolated"] * 5, "extrapolated"]
 
 
 def test_combinations_add_costs_and_squares():
@@ -168,10 +168,11 @@ def test_recommendation():
     draft, normal, _ = qualities()
     found = [price(draft, 1.0, 0.1), price(normal, 100.0, 0.005), price(classic()[2], 188.0, 0.009)]
     lines = recommendation(report(found))
-    assert lines[0] == "3 % costs about 6.4 s: `--quality normal` reached 0.5 % in 100 s"
-    assert lines[1].startswith("1 % costs about 34 s: `--quality normal`")
-    assert lines[2].startswith("0.3 % costs some 278 s: not reached in the budget, extrapolated")
-    assert lines[3] == "classic mode with 128² hemicubes reaches 0.9 % at 188 s"
+    assert lines[0] == "10 % costs at most 1 s: `--quality draft` reached 10 % in 1 s"
+    assert lines[2] == "3 % costs about 6.4 s: `--quality normal` reached 0.5 % in 100 s"
+    assert lines[4].startswith("1 % costs about 34 s: `--quality normal`")
+    assert lines[6].startswith("0.3 % costs some 278 s: not reached in the budget, extrapolated")
+    assert lines[7] == "classic mode with 128² hemicubes reaches 0.9 % at 188 s"
 
 
 def test_recommendation_tells_what_is_hidden_and_what_was_not_run():
@@ -205,7 +206,7 @@ def test_flags_ask_for_the_setting():
     flags = f"--elements {2 * usual.elements} --gather-samples {usual.gather_samples // 2}"
     assert combined({"elements": 2.0, "gather_samples": 0.5}).flags == flags
     assert classic()[0].flags == "--elements 1000 --replicates 2 --mode classic --hemicube-resolution 32"
-    names = [s.name for s in (*qualities(), *single_knobs(), *classic())]
+    names = [s.name for s in (*qualities(), *single_knobs(), *methods(), *classic())]
     assert len(names) == len(set(names))
 
 
@@ -338,7 +339,7 @@ def test_the_budget_is_kept(budget, slower):
     assert bench.now <= 1.0 * budget
     assert bench.now >= 0.8 * budget or all(r.seed == running.SEEDS - 1 for r in run.runs[-3:])
     told = {(s.name, s.group) for s in run.skipped} | {(r.setting.name, r.setting.group) for r in run.runs}
-    for setting in (*qualities(), *single_knobs(), *classic()):
+    for setting in (*qualities(), *single_knobs(), *methods(), *classic()):
         assert (setting.name, setting.group) in told
     assert [e.kind for e in events].count("skipped") == len(run.skipped)
     assert all(item.predicted is not None for item in run.skipped)
@@ -348,7 +349,8 @@ def test_settings_come_by_rising_cost():
     bench = FakeBench()
     run = CostRun(bench, 60.0)
     list(run.events())
-    swept = [r for r in run.runs if r.seed == 0 and r.setting.group not in ("quality", "combined")]
+    knobs = {setting.name for setting in single_knobs()}
+    swept = [r for r in run.runs if r.seed == 0 and r.setting.name in knobs]
     seconds = [r.cpu_seconds for r in swept]
     assert seconds == sorted(seconds) and len(seconds) > 8
 

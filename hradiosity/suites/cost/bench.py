@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import time
 from dataclasses import dataclass, replace
+from typing import Final
 
 from hradiosity.device import Device
 from hradiosity.io.calibration import load_calibration, measure
 from hradiosity.model.scene import Scene
+from hradiosity.options import FormFactorName
 from hradiosity.plan import ClassicCalibration, Plan
 from hradiosity.planning_classic import pixels_drawn
 from hradiosity.radiosity import RadiositySolver, make_solver
@@ -20,6 +22,20 @@ from hradiosity.suites.cost.work import predict, work_of, work_of_plan
 
 UNMEASURED = ClassicCalibration(seconds_per_pixel=5e-8, seconds_per_product=1.5e-9)
 """Of the classic mode on two cores, for devices on which it never ran; the first run of it replaces them."""
+
+PAIR_SECONDS: Final[dict[FormFactorName, float]] = {
+    "point": 3e-6,
+    "point-disk": 3e-6,
+    "auto": 4e-6,
+    "contour": 6e-6,
+    "quasi-hemisphere": 6e-6,
+    "hemisphere": 1.2e-5,
+    "monte-carlo": 3e-5,
+    "hemicube": 5e-5,
+}
+"""What a pair of elements takes at most on two cores, with its visibility."""
+LINKS_OVER_ROWS: Final = 4.0
+"""Seconds of hierarchical links over those of rows."""
 
 
 @dataclass
@@ -66,10 +82,11 @@ class SceneBench:
         options = setting.options
         if options.mode == "classic":
             return None if self._classic_plan is None else self._classic_seconds(self._classic_plan, setting)
-        if self._base is None:
+        if self._base is None or options.form_factors != "rays":
             return None
         elements = self._base.elements * options.elements / self._base.setting.options.elements
-        return self._predict(work_of(elements, options, **self._sizes))
+        seconds = self._predict(work_of(elements, options, **self._sizes))
+        return seconds * LINKS_OVER_ROWS if options.links == "hierarchical" else seconds
 
     def start(self, setting: Setting, seed: int = 0, scene: Scene | None = None) -> Started:
         """Make geometry and plan.
@@ -88,6 +105,8 @@ class SceneBench:
             predicted = self._classic_seconds(plan, setting)
         elif self._base is not None:
             predicted = self._predict(work_of_plan(plan, setting.options))
+            predicted += plan.pairs * PAIR_SECONDS.get(setting.options.form_factors, 0.0)
+            predicted *= LINKS_OVER_ROWS if setting.options.links == "hierarchical" else 1.0
         return Started(setting, seed, solver, plan, predicted, memory, begun)
 
     def finish(self, started: Started) -> Run:

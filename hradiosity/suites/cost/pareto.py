@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 SAMPLING_SLOPE: Final = 2.0
 """Beyond what was measured, time is taken to grow with this power of 1 / error: that of random sampling."""
-TARGETS: Final = (0.3, 0.1, 0.03, 0.01, 0.003, 0.001, 0.0003)
+TARGETS: Final = (0.5, 0.3, 0.2, 0.1, 0.05, 0.03, 0.02, 0.01, 0.005, 0.003, 0.002, 0.001, 0.0005, 0.0003)
 """Errors whose price is told."""
 
 Kind = Literal["interpolated", "extrapolated", "at most"]
@@ -73,12 +73,13 @@ def quote(target: float, cost: NDArray[np.float64], error: NDArray[np.float64]) 
 
 
 def quotes(cost: NDArray[np.float64], error: NDArray[np.float64]) -> list[Quote]:
-    """Prices of round errors: from the first that the cheapest setting misses to the first that none reaches."""
+    """Prices of round errors: from the last that the cheapest setting reaches to the first that none does."""
     front = pareto_front(cost, error)
     if not len(front):
         return []
     worst, best = error[front[0]], error[front[-1]]
+    easy = [target for target in TARGETS if worst <= target][-1:]
     reached = [target for target in TARGETS if best <= target < worst]
     beyond = [target for target in TARGETS if target < best][:1]
-    found = [quote(target, cost, error) for target in (*reached, *beyond)]
+    found = [quote(target, cost, error) for target in (*easy, *reached, *beyond)]
     return [one for one in found if one is not None]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from typing import Any, Final
 
+from hradiosity.errors import SceneError
 from hradiosity.model.scene import Scene
 from hradiosity.plan import Plan
 from hradiosity.suites.cost.budget import Budget
@@ -12,13 +13,12 @@ from hradiosity.suites.cost.combine import Change, propose
 from hradiosity.suites.cost.extras import OVER, Extras
 from hradiosity.suites.cost.pricing import Truth, prices
 from hradiosity.suites.cost.protocols import Bench, Event
-from hradiosity.suites.cost.settings import KNOBS, Setting, classic, combined, qualities, single_knobs, warm_up
+from hradiosity.suites.cost.settings import KNOBS, Setting, classic, combined, methods, qualities, single_knobs, warm_up
 from hradiosity.suites.cost.values import Price, Run, Skipped
 
 FIRST_REFERENCE: Final = 0.18
-SWEEP: Final = 0.44
-COMBINATIONS: Final = 0.50
-SOLVING, EFFECTS, COUNTS = 0.56, 0.62, 0.70
+SWEEP, COMBINATIONS, OTHER_METHODS = 0.36, 0.42, 0.54
+SOLVING, EFFECTS, COUNTS = 0.58, 0.63, 0.70
 LATER_REFERENCE: Final = 0.86
 END: Final = 0.95
 """Shares of the budget after which each part ends, in their order; what one leaves over is the next one's. The last
@@ -80,8 +80,9 @@ class CostRun:
         if at_once:
             yield from self._run(fine, SWEEP)
         yield from self._refer(FIRST_REFERENCE)
-        yield from self._sweep([*([] if at_once else [fine]), *single_knobs(), *classic()], SWEEP)
+        yield from self._sweep([*([] if at_once else [fine]), *single_knobs()], SWEEP)
         yield from self._combine(COMBINATIONS)
+        yield from self._sweep([*methods(), *classic()], OTHER_METHODS)
         yield from self.extras.try_solvers(SOLVING)
         yield from self.extras.try_effects(self.runs, EFFECTS)
         yield from self.extras.try_bands(self.runs, COUNTS)
@@ -95,7 +96,11 @@ class CostRun:
         if guess is not None and not self.budget.holds(guess, share):
             yield self._skip(setting, guess)
             return
-        started = self.bench.start(setting)
+        try:
+            started = self.bench.start(setting)
+        except SceneError as error:
+            yield self._skip(setting, None, f"refused: {error.faults[0].found}")
+            return
         twin = self._same_elements(setting, started.plan)
         if twin is not None:
             bound = f": {started.plan.size_bound}" if started.plan.size_bound else ""

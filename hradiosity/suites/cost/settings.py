@@ -8,7 +8,7 @@ from typing import Any, Final, Literal, cast, get_args
 import numpy as np
 
 from hradiosity.model.spectrum import Bands
-from hradiosity.options import QUALITIES, Options, Quality, SolverName
+from hradiosity.options import QUALITIES, FormFactorName, Options, Quality, SolverName
 
 Group = Literal[
     "quality",
@@ -19,6 +19,8 @@ Group = Literal[
     "gather samples",
     "lookup",
     "replicates",
+    "form factors",
+    "links",
     "classic",
     "combined",
     "solver",
@@ -61,6 +63,13 @@ REPLICATES: Final = (2, 8)
 RESOLUTIONS: Final = (32, 64, 128, 256, 512)
 CLASSIC_ELEMENTS: Final = 1000
 """Patches that shoot, about; elements are split where the light changes, and time grows with the square."""
+METHODS: Final[tuple[FormFactorName, ...]] = (
+    *("rays", "point", "point-disk", "auto", "contour"),
+    *("quasi-hemisphere", "hemisphere", "monte-carlo", "hemicube"),
+)
+"""Of form factors, about by rising cost."""
+PAIRED_ELEMENTS: Final = 1000
+"""Asked for where all pairs count, and for rays beside them."""
 CLASSIC_REPLICATES: Final = 2
 """Hemicubes hardly differ between replicates; two are the fewest that give intervals."""
 
@@ -106,6 +115,13 @@ def single_knobs() -> list[Setting]:
     found.append(Setting(f"lookup {other}", "lookup", replace(usual, lookup=other)))
     found += [Setting(f"replicates {n}", "replicates", replace(usual, replicates=n)) for n in REPLICATES]
     return found
+
+
+def methods() -> list[Setting]:
+    """Every method of form factors on few elements, and hierarchical links."""
+    few = Options(elements=PAIRED_ELEMENTS)
+    found = [Setting(f"{name}, few elements", "form factors", replace(few, form_factors=name)) for name in METHODS]
+    return [*found, Setting("hierarchical links", "links", Options(links="hierarchical"))]
 
 
 def classic() -> list[Setting]:
