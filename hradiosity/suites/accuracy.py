@@ -6,9 +6,9 @@ import argparse
 import json
 import sys
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import cast
+from typing import Any, cast
 
 from hradiosity.device import Device
 from hradiosity.io.scene_toml import load_scene
@@ -40,10 +40,8 @@ class Outcome:
 
 
 def measure(scene: Scene, device: Device, name: str, reference: Mapping[str, Readings], *, seed: int = 0) -> Outcome:
-    """Solve at the quality `name`, in the mode before a colon if there is one, and compare with the reference."""
-    mode, _, quality = name.rpartition(":")
-    options = Options.of_quality(cast(Quality, quality), seed=seed, mode=mode or "rays")
-    solver = make_solver(scene, options, device)
+    """Solve with the setting `name`, see `options_of`, and compare with the reference."""
+    solver = make_solver(scene, replace(options_of(name), seed=seed), device)
     wall = 0.0
     for state in solver.states():
         wall = state.seconds
@@ -58,8 +56,27 @@ def measure(scene: Scene, device: Device, name: str, reference: Mapping[str, Rea
     )
 
 
+def options_of(name: str) -> Options:
+    """Of a quality; before a colon there may be the mode, or "hierarchical", or "hierarchical=0.05" with the largest
+    form factor of a link.
+
+    Raises
+    ------
+    ValueError
+        For names that are none of these.
+    """
+    way, _, quality = name.rpartition(":")
+    if quality not in QUALITIES:
+        raise ValueError(f"{name}: not among {', '.join(QUALITIES)}")
+    kind, _, largest = way.partition("=")
+    chosen: dict[str, Any] = {"mode": way} if way else {}
+    if kind == "hierarchical":
+        chosen = {"links": kind} | ({"link_form_factor": float(largest)} if largest else {})
+    return Options.of_quality(cast(Quality, quality), **chosen)
+
+
 HEADER = (
-    f"{'setting':>8} {'elements':>8} {'Mrays':>7} {'CPU s':>7} {'wall s':>7} "
+    f"{'setting':>24} {'elements':>8} {'Mrays':>7} {'CPU s':>7} {'wall s':>7} "
     f"{'spectral':>8} {'lx rms':>8} {'lx 95%':>8} {'lx max':>8} {'bias':>8} {'covered':>7}"
 )
 
@@ -69,7 +86,7 @@ def line(outcome: Outcome) -> str:
     error = outcome.error
     percent = (error.spectral_rms, error.illuminance_rms, error.illuminance_p95, error.illuminance_max, error.bias)
     return (
-        f"{outcome.setting:>8} {outcome.elements:8d} {outcome.rays / 1e6:7.2f} {outcome.cpu_seconds:7.2f} "
+        f"{outcome.setting:>24} {outcome.elements:8d} {outcome.rays / 1e6:7.2f} {outcome.cpu_seconds:7.2f} "
         f"{outcome.wall_seconds:7.2f} " + " ".join(f"{100.0 * p:8.3f}" for p in percent) + f" {error.covered:7.3f}"
     )
 
@@ -101,16 +118,23 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("scene", type=Path, help="a scene folder or file")
     parser.add_argument("--paths", type=int, default=16384, help="of the referee, from each reading")
     parser.add_argument("--cache", type=Path, help=".npz file that keeps the referee's readings")
-    parser.add_argument("--settings", type=_settings, default=list(QUALITIES), help="draft,normal,fine; classic:draft")
+    parser.add_argument(
+        "--settings",
+        type=_settings,
+        default=list(QUALITIES),
+        help="draft,normal,fine; classic:draft; hierarchical=0.05:draft",
+    )
     parser.add_argument("--json", type=Path, help="write the figures there as well")
     return parser.parse_args()
 
 
 def _settings(text: str) -> list[str]:
     names = text.split(",")
-    unknown = [name for name in names if name.rpartition(":")[2] not in QUALITIES]
-    if unknown:
-        raise argparse.ArgumentTypeError(f"{', '.join(unknown)}: not among {', '.join(QUALITIES)}")
+    for name in names:
+        try:
+            options_of(name)
+        except ValueError as error:
+            raise argparse.ArgumentTypeError(str(error)) from error
     return names
 
 
