@@ -103,7 +103,7 @@ def picture_of(report: Report) -> CostPicture:
     on_front = front_of(report.prices)
     points = tuple(
         CostPoint(
-            name=price.setting.name,
+            name=_folded(price.setting.name),
             group=price.setting.group,
             seconds=price.cpu_seconds,
             memory_bytes=price.memory_bytes,
@@ -136,3 +136,9 @@ def _cells(price: Price) -> tuple[Any, ...]:
 def _short(value: float) -> float:
     """Five digits."""
     return float(f"{value:.5g}")
+
+
+def _folded(name: str) -> str:
+    """The name of a combination on several lines."""
+    parts = name.split(", ")
+    return ",\n".join(", ".join(parts[k : k + 2]) for k in range(0, len(parts), 2))
