@@ -116,9 +116,17 @@ def test_form_factors_are_computed_once_unless_they_are_random(device):
     assert counts["point"] == ["pairs", "form factors", "visibility"]
 
 
-def test_same_bits_for_the_same_seed(device):
-    options = replace(TINY, form_factors="monte-carlo")
-    one, other = (run(device, furnished(), options).solution() for _ in range(2))
+@pytest.mark.parametrize("method", ["monte-carlo", "auto", "hemicube"])
+def test_same_bits_for_the_same_seed_and_from_a_checkpoint(device, method):
+    options = replace(TINY, form_factors=method)
+    one = run(device, furnished(), options).solution()
+    begun = make_solver(furnished(), options, device)
+    next(state for state in begun.states() if state.replicate == 1)
+    resumed = make_solver(furnished(), options, device)
+    resumed.restore(begun.checkpoint())
+    for _ in resumed.states():
+        pass
+    other = resumed.solution()
     np.testing.assert_array_equal(one.surfaces.irradiance, other.surfaces.irradiance)
     np.testing.assert_array_equal(one.readings["places"].irradiance, other.readings["places"].irradiance)
 
