@@ -11,6 +11,7 @@ __kernel void sum_paths(__global const uint *path_start,     /* (n_batches + 1,)
                         __global const uint *path_emitter,   /* (n_paths, HR_LIT_HITS)                         */
                         __global const float *path_gain,     /* (n_paths, HR_LIT_HITS)                         */
                         __global const uint *path_row,       /* (n_paths,)                                     */
+                        __global const float *path_weight,   /* (n_paths,)                                     */
                         __global const float *reflectance,   /* (n_paints, 8 n_groups) [1]                     */
                         __global const float *glow,          /* (n_paints, 8 n_groups) [W m^-2], with HR_GLOW  */
                         __global const float *emission,      /* (n_emitters, 8 n_groups) [W m^-2] or [W sr^-1] */
@@ -58,8 +59,10 @@ __kernel void sum_paths(__global const uint *path_start,     /* (n_batches + 1,)
 #endif
         }
         float8 bright = (float8)(0.0f);
+        const float path_counts = path_weight[i];
 #pragma unroll
         for (uint g = 0; g < HR_GROUPS; ++g) {
+            arriving[g] *= path_counts;
             sum[g] += arriving[g];
             bright += ((hr_groups_in)weight)[g] * arriving[g];
         }

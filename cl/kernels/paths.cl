@@ -2,14 +2,9 @@
 #include "include/hr_bvh.h"
 #include "include/hr_elements.h"
 #include "include/hr_emitters.h"
-#include "include/hr_outcomes.h"
+#include "include/hr_guide.h"
+#include "include/hr_path_steps.h"
 #include "include/hr_sight.h"
-
-/* Number `count` of the plain random numbers that `seed` begins. */
-HR_FORCE_INLINE float hr_plain(const uint seed, const uint count)
-{
-    return hr_unit_float(hr_hash(seed + 0x9e3779b9u * count));
-}
 
 /* First entry of the ascending row of n sums that is greater than x. */
 HR_FORCE_INLINE uint hr_draw(__global const float *sums, const uint n, const float x)
@@ -92,38 +87,29 @@ HR_FORCE_INLINE float hr_light_on_ray(const float3 x, const float3 n, const floa
     return hidden ? -met : met;
 }
 
-/* What a ray ended on, as a row element or an outcome. */
-HR_FORCE_INLINE uint hr_row_of_hit(const hr_hit hit, const float3 direction, __global const uint *patch_solid,
-                          __global const uint *cell_divisions, __global const uint *side_first_cell,
-                          __global const uint *cell_row, __global const uint *patch_kind)
-{
-    if (hit.patch == HR_NONE)
-        return direction.z > 0.0f ? HR_SKY : HR_MISS;
-    const uint cell = hr_cell_at(hit.patch, hit.side, hit.u, hit.v, cell_divisions, side_first_cell, patch_kind);
-    if (cell != HR_NONE)
-        return cell_row[cell];
-    return hit.side == HR_BACK && patch_solid[hit.patch] ? HR_COVERED : HR_UNLIT;
-}
-
 /* Paths of `path_number`: hits are lit explicitly until the solution is looked up, at the hit number `lookup` at the
    earliest, and never at a hit nearer than `near_factor` sizes of its element: there one value for the whole element
    is too coarse (corners, contacts, slots). Sides that no light was found to reach have no solution: there the path
    goes on. A path that has no place left for a further lit hit is left out and marked
-   HR_LONG, to be traced again with more places, or looks the solution up all the same if `last_chance` is set. */
+   HR_LONG, to be traced again with more places, or looks the solution up all the same if `last_chance` is set.
+   With HR_GUIDED the first directions follow the light that was found before, and paths weigh accordingly. */
 __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const float *position,       /* (n_points, 3) [m]                             */
                           __global const float *normal,         /* (n_points, 3) unit                            */
                           __global const uint *patch_solid,     /* (n_patches,) 1: matter behind it              */
                           __global const uint *side_paint,      /* (n_patches, 2)                                */
-                          __global const float *row_size,       /* (n_rows,) edge of each element [m], or INFINITY */
+                          __global const float *row_size,       /* (n_rows,) edge of each element [m]; INFINITY: no lookup;
+                                                                   below 0: lookup at the first hit already      */
                           __global const float *emitter_choice, /* (n_rows, n_emitters) summed probabilities     */
                           __global const float *row_direct,     /* (n_rows, n_emitters) of each element          */
                           __global const uchar *row_sight,      /* (n_rows, n_emitters) HR_SIGHT_…               */
+                          __global const float *guide,          /* (n_points, HR_GUIDE_ENTRIES), with HR_GUIDED  */
                           __global const uint *path_number,     /* (n_paths,) n_samples point + sample           */
                           __global uint *path_paint,            /* (n_paths, HR_LIT_HITS) at the lit hits, or NONE */
                           __global uint *path_emitter,          /* (n_paths, HR_LIT_HITS) drawn there            */
                           __global float *path_gain,            /* (n_paths, HR_LIT_HITS) of that emitter        */
                           __global uint *path_row,              /* (n_paths,) row, or an outcome                 */
+                          __global float *path_weight,          /* (n_paths,) 1 over the density of its start    */
                           const uint n_samples, const uint n_emitters, const uint occlusion, const uint lookup,
                           const float near_factor, const uint last_chance, const uint seed, const float scale,
                           const uint n_items)
@@ -136,7 +122,12 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     const uint point_seed = hr_combine(seed, point);
     const size_t first = (size_t)i * HR_LIT_HITS;
     float3 n = hr_load3(normal, point);
-    float3 d = hr_cosine_direction(n, hr_sample(k, 0, point_seed), hr_sample(k, 1, point_seed));
+    float3 start = (float3)(hr_sample(k, 0, point_seed), hr_sample(k, 1, point_seed), 1.0f);
+#if HR_GUIDED
+    start = hr_guide(guide + (size_t)point * HR_GUIDE_ENTRIES, start.x, start.y);
+#endif
+    path_weight[i] = start.z;
+    float3 d = hr_cosine_direction(n, start.x, start.y);
     hr_hit hit = hr_closest_hit(HR_BVH, hr_offset_origin(hr_load3(position, point), n, scale), d, INFINITY, HR_NONE);
     uint row = hr_row_of_hit(hit, d, patch_solid, cell_divisions, side_first_cell, cell_row, patch_kind);
 
@@ -145,8 +136,11 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     const uint plain = hr_combine(point_seed, k + 0x51ed270bu);
     uint lit = 0;
     for (; HR_IS_ROW(row) || row == HR_UNLIT; ++lit) {
-        if (HR_IS_ROW(row) && lit + 1 >= lookup && hit.t >= near_factor * row_size[row])
-            break;
+        if (HR_IS_ROW(row)) {
+            const float size = row_size[row];
+            if ((lit + 1 >= lookup || size < 0.0f) && hit.t >= near_factor * hr_magnitude(size))
+                break;
+        }
         if (lit == HR_LIT_HITS) {
             row = last_chance ? row : HR_LONG;
             break;

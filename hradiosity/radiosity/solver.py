@@ -161,7 +161,7 @@ class RadiositySolver:
         seconds = self._earlier_seconds + self._elapsed()
         return {
             "record": pack_record(self.record, cpu_seconds=self.cpu_seconds, wall_seconds=seconds),
-            **({"effort/light": self._effort.light, "effort/gather": self._effort.gather} if self._effort else {}),
+            **({f"effort/{name}": array for name, array in vars(self._effort).items()} if self._effort else {}),
             **{f"readings/{name}": array for name, array in self._readings.checkpoint().items()},
             **{f"surfaces/{name}": array for name, array in surfaces.checkpoint().items()},
         }
@@ -266,6 +266,7 @@ class RadiositySolver:
             moments.normal,
             light_samples=effort.light,
             gather_samples=effort.gather,
+            guide=effort.tables,
             rules=PathRules(self.options.lookup, NEAR_FACTOR),
             seed=seed ^ 0x5BD1E995,
         )

@@ -32,6 +32,7 @@ from hradiosity.space.bvh import Bvh
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
 from hradiosity.space.shafts import UNKNOWN, EmitterShapes, point_sight, row_sight
+from hradiosity.transport.contrast import side_contrast
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import ClosedRows, Defects, Exchange, RowHits, build_exchange, trace_rows
@@ -43,6 +44,9 @@ EQUAL_ENERGY_WEIGHT = 1.0
 """Brightness of a watt of any wavelength beside its lumens, so that no band counts for nothing [lm W⁻¹]."""
 SPECTRAL_DEFECT = 5.0
 """Columns that combination leaves worse than this many solver tolerances are solved after all."""
+MOST_CONTRAST = 8.0
+"""Contrast of the received light from which on the solution is looked up there at a path's first hit already: where
+light comes through a gap, the noise of one more ray is worse than one value for a whole element."""
 LOST_SHARE = 1e-4
 """Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
 
@@ -174,14 +178,28 @@ class SurfaceSolver:
             emission=self.emission,
             emission_on_device=self._emission_on_device,
             reflected=self.device.upload(reflectance * irradiance + self._row_glow),
-            row_size=self.device.upload(
-                np.where(exchange.element_area > 0.0, np.sqrt(self.elements.area), np.inf), np.float32
-            ),
+            row_size=self.device.upload(self._lookup_size(hits, exchange.element_area, reflectance, irradiance)),
             sky=self._sky_on_device,
             emitter_choice=self.device.upload(emitter_choice(per_emitter, self.emission)),
             row_direct=self.device.upload(per_emitter),
             weight=self._weight_on_device,
         )
+
+    def _lookup_size(
+        self,
+        hits: RowHits,
+        area: NDArray[np.float64],
+        reflectance: NDArray[np.float32],
+        irradiance: NDArray[np.float32],
+    ) -> NDArray[np.float32]:
+        """`SurfaceLight.row_size`: below 0 where light comes from few directions, which one more ray mostly misses."""
+        brightness = self.device.fetch(self._weight_on_device).astype(np.float64)
+        leaving = np.einsum("rc,c->r", reflectance * irradiance + self._row_glow, brightness)
+        arriving = np.einsum("rc,c->r", irradiance, brightness)
+        side = self.elements.cell_side[self.elements.row_cell[self.elements.row_start[:-1]]]
+        contrast = side_contrast(hits, side, area, leaving, arriving)
+        size = np.where(contrast > MOST_CONTRAST, -1.0, 1.0) * np.sqrt(self.elements.area)
+        return np.where(area > 0.0, size, np.inf).astype(np.float32)
 
     def sized_plan(self, calibration: Calibration | ClassicCalibration | None) -> Plan:
         """The plan for the elements that were cut, with seconds if the device was measured in this mode.

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.readings.guide import guide_shares, guide_tables
 from hradiosity.readings.sensors import PathRules, SurfaceLight, reflected_light, trace_paths, upload_points
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
@@ -14,6 +15,8 @@ from hradiosity.transport.direct import direct_at_points
 PILOT_PATHS = 64
 PILOT_RULES = PathRules(lookup=2, near_factor=1.0)
 PILOT_LIGHT_SAMPLES = 64
+GUIDED_AT_ONCE = 8192
+"""Readings whose guides are made at a time."""
 DARK_SHARE = 0.05
 """Readings darker than this share of the mean count as that bright: their relative error matters less."""
 LEAST, MOST = 0.5, 16.0
@@ -26,15 +29,22 @@ class Effort:
 
     light : (n,) int64, shadow rays to each emitter
     gather : (n,) int64, paths
+    guide : (n, parts) float32, share of the paths that start in each part of the hemisphere; no parts: evenly
     """
 
     light: NDArray[np.int64]
     gather: NDArray[np.int64]
+    guide: NDArray[np.float32]
 
     @classmethod
     def even(cls, n: int, light: int, gather: int) -> Effort:
         """The same for all `n` readings."""
-        return cls(np.full(n, light, np.int64), np.full(n, gather, np.int64))
+        return cls(np.full(n, light, np.int64), np.full(n, gather, np.int64), np.zeros((n, 0), np.float32))
+
+    @property
+    def tables(self) -> NDArray[np.float32] | None:
+        """Of the guide, as kernels take them; None without one."""
+        return guide_tables(self.guide) if self.guide.shape[1] else None
 
 
 def plan_effort(
@@ -65,7 +75,14 @@ def plan_effort(
     direct = direct_at_points(scene, position, normal, PILOT_LIGHT_SAMPLES, seed)
     arriving = direct.astype(np.float64) * brightness
     points = upload_points(scene, position, normal)
-    paths = trace_paths(scene, elements, light, points, PILOT_PATHS, seed, PILOT_RULES, last_chance=True)
+    shares = np.concatenate(
+        [
+            guide_shares(scene, elements, light, upload_points(scene, position[part], normal[part]), seed + part.start)
+            for part in (slice(first, first + GUIDED_AT_ONCE) for first in range(0, n, GUIDED_AT_ONCE))
+        ]
+    )
+    guide = scene.device.upload(guide_tables(shares))
+    paths = trace_paths(scene, elements, light, points, PILOT_PATHS, seed, PILOT_RULES, guide=guide, last_chance=True)
     _, sums = reflected_light(scene, paths, light)
     mean = sums[:, 0].astype(np.float64) / PILOT_PATHS
     variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)
@@ -78,7 +95,7 @@ def plan_effort(
         out=np.zeros(n),
         where=total > 0.0,
     )
-    return Effort(light=_spread(penumbra, light_samples), gather=_spread(gather, gather_samples))
+    return Effort(_spread(penumbra, light_samples), _spread(gather, gather_samples), shares)
 
 
 def _partial(

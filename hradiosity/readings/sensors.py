@@ -33,6 +33,7 @@ class PathSamples:
     gain : (n_paths, lit_hits) float32 on the device: irradiance at that hit for unit emission of that emitter,
         over the probability that it was drawn
     row : (n_paths,) uint32 on the device: row element, or an outcome, where the path ends
+    weight : (n_paths,) float32 on the device: 1 over the density with which its first direction was drawn
     start : (n_points + 1,) uint32, first path of each point; its paths follow one another
     n_samples : paths that each point's mean is over
     """
@@ -41,6 +42,7 @@ class PathSamples:
     emitter: DeviceArray
     gain: DeviceArray
     row: DeviceArray
+    weight: DeviceArray
     start: NDArray[np.uint32]
     lit_hits: int
     n_samples: int
@@ -87,7 +89,7 @@ class SurfaceLight:
     emission : (n_emitters, 8 n_groups) float32, exitance or intensity of each emitter; and the same on the device
     reflected : (n_rows, 8 n_groups) float32 on the device, ρE of each row element, and its glow
     row_size : (n_rows,) float32 on the device, edge of each element [m]; infinite for those that were found wholly
-        covered and thus have no light to look up
+        covered and thus have no light to look up, below 0 where it may be looked up at the first hit already
     sky : (8 n_groups,) float32 on the device, π · radiance
     emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
     row_direct : (n_rows, n_emitters) float32 on the device, direct light of each element for unit emission
@@ -142,13 +144,15 @@ def trace_paths(
     seed: int,
     rules: PathRules,
     *,
+    guide: DeviceArray | None = None,
     only: NDArray[np.int64] | None = None,
     last_chance: bool = False,
 ) -> PathSamples:
     """Trace `n_samples` paths from each point, or those of them whose numbers are in `only` with room for more hits.
 
     A path that meets more hits than it has room for is left out and marked LONG; with `last_chance` it looks the
-    solution up at the last of them instead.
+    solution up at the last of them instead. First directions follow the `guide`, tables of
+    `hradiosity.readings.guide` on the device, if there is one.
     """
     device = scene.device
     number = np.arange(points.n * n_samples, dtype=np.uint32) if only is None else only.astype(np.uint32)
@@ -156,7 +160,8 @@ def trace_paths(
     paint, emitter = (device.empty((len(number), lit_hits), np.uint32) for _ in range(2))
     gain = device.empty((len(number), lit_hits), np.float32)
     row = device.empty((len(number),), np.uint32)
-    device.kernel("paths", "trace_paths", HR_LIT_HITS=lit_hits)(
+    weight = device.empty((len(number),), np.float32)
+    device.kernel("paths", "trace_paths", HR_LIT_HITS=lit_hits, HR_GUIDED=int(guide is not None))(
         len(number),
         **scene.geometry,
         **elements.cells,
@@ -169,11 +174,13 @@ def trace_paths(
         emitter_choice=light.emitter_choice,
         row_direct=light.row_direct,
         row_sight=elements.sight(scene),
+        guide=light.weight if guide is None else guide,
         path_number=device.upload(number),
         path_paint=paint,
         path_emitter=emitter,
         path_gain=gain,
         path_row=row,
+        path_weight=weight,
         n_samples=n_samples,
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
@@ -184,7 +191,7 @@ def trace_paths(
         scale=scene.scale,
     )
     start = np.searchsorted(number, np.arange(points.n + 1, dtype=np.int64) * n_samples).astype(np.uint32)
-    return PathSamples(paint, emitter, gain, row, start, lit_hits, n_samples)
+    return PathSamples(paint, emitter, gain, row, weight, start, lit_hits, n_samples)
 
 
 def reflected_light(
@@ -213,6 +220,7 @@ def reflected_light(
         path_emitter=paths.emitter,
         path_gain=paths.gain,
         path_row=paths.row,
+        path_weight=paths.weight,
         reflectance=light.reflectance,
         glow=light.reflectance if light.glow is None else light.glow,
         emission=light.emission_on_device,
@@ -262,6 +270,7 @@ def read_points(
     gather_samples: NDArray[np.int64],
     rules: PathRules,
     seed: int,
+    guide: NDArray[np.float32] | None = None,
 ) -> ReadingSamples:
     """Irradiance at points: E = D + ⟨ρ(y₁) (D(y₁) + ρ(y₂) (D(y₂) + …))⟩ over cosine-distributed directions.
 
@@ -274,6 +283,8 @@ def read_points(
     gather_samples : (n,) int64
         Paths; 0 leaves reflected light out.
     rules : PathRules
+    guide : (n, entries) float32, optional
+        Tables of `hradiosity.readings.guide`.
     """
     n = len(position)
     used = light.columns.n_columns
@@ -287,7 +298,16 @@ def read_points(
     for part, count in _batches(gather_samples):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
         points = upload_points(scene, position[part], normal[part])
-        reflected, enclosed[part] = _gather(scene, elements, light, points, count, batch_seed, rules)
+        reflected, enclosed[part] = _gather(
+            scene,
+            elements,
+            light,
+            points,
+            count,
+            batch_seed,
+            rules,
+            None if guide is None else scene.device.upload(guide[part]),
+        )
         irradiance[part] += reflected[:, :used]
     return ReadingSamples(irradiance, enclosed)
 
@@ -300,14 +320,15 @@ def _gather(
     count: int,
     seed: int,
     rules: PathRules,
+    guide: DeviceArray | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Reflected light (n_points, 8 n_groups) by `count` paths each, and the share of them that began inside a solid."""
-    paths = trace_paths(scene, elements, light, points, count, seed, rules)
+    paths = trace_paths(scene, elements, light, points, count, seed, rules, guide=guide)
     irradiance = reflected_light(scene, paths, light)[0]
     row = scene.device.fetch(paths.row).reshape(points.n, count)
     long = np.flatnonzero(row == LONG)
     if len(long):
-        more = trace_paths(scene, elements, light, points, count, seed, rules, only=long, last_chance=True)
+        more = trace_paths(scene, elements, light, points, count, seed, rules, guide=guide, only=long, last_chance=True)
         irradiance += reflected_light(scene, more, light)[0]
     if not (row == COVERED).any():
         return irradiance, np.zeros(points.n)
