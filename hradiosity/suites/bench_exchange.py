@@ -27,11 +27,9 @@ MANY_PATHS: Final = 65536
 """From each reading, so that their noise does not hide that of the elements."""
 MANY_RAYS: Final = 16384
 """From each element, for the light on the same elements that all methods should come to."""
-EXCHANGE_STAGES: Final = ("exchange rays", "exchange")
-"""The second one holds pairs, form factors, hemicubes and visibility."""
 HEADER: Final = (
-    f"| form factors | CPU s | exchange, s | readings | with {MANY_PATHS} paths | light on elements | row sums |\n"
-    "|---|---|---|---|---|---|---|"
+    f"| form factors | CPU s | readings | with {MANY_PATHS} paths | light on elements | row sums |\n"
+    "|---|---|---|---|---|---|"
 )
 
 
@@ -40,7 +38,6 @@ class Outcome:
     """What one method gave.
 
     cpu_seconds : of a run with the paths of the options
-    exchange_seconds : wall seconds of it for the exchange between elements
     spectral_rms, spectral_rms_many : error of the readings with those paths, and with `MANY_PATHS`
     element_rms : of the reflected light on the elements, against `MANY_RAYS` from each of the same elements
     row_sum_rms : defect of the rows before they were closed
@@ -48,7 +45,6 @@ class Outcome:
 
     method: FormFactorName
     cpu_seconds: float
-    exchange_seconds: float
     spectral_rms: float
     spectral_rms_many: float
     element_rms: float
@@ -57,7 +53,7 @@ class Outcome:
     def line(self) -> str:
         """A row of the table."""
         return (
-            f"| `{self.method}` | {self.cpu_seconds:.1f} | {self.exchange_seconds:.2f} "
+            f"| `{self.method}` | {self.cpu_seconds:.1f} "
             f"| {100 * self.spectral_rms:.2f} % | {100 * self.spectral_rms_many:.2f} % "
             f"| {100 * self.element_rms:.2f} % | {100 * self.row_sum_rms:.2g} % |"
         )
@@ -114,11 +110,9 @@ def measure(
         solution = solver.solution()
         found = compare(solution.readings, reference, quantile=student_quantile(0.95, SCRAMBLES - 1))
         errors.append(found.spectral_rms)
-    seconds = solution.record["stage_seconds"]
     return Outcome(
         method=options.form_factors,
         cpu_seconds=solver.cpu_seconds,
-        exchange_seconds=sum(seconds[stage] for stage in EXCHANGE_STAGES),
         spectral_rms=errors[1],
         spectral_rms_many=errors[0],
         element_rms=element_error(solution, best),
