@@ -14,8 +14,9 @@ from hradiosity.model.scene import View
 from hradiosity.options import Options
 from hradiosity.planning import make_plan
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
+from hradiosity.readings.guide import guide_shares, guide_tables
 from hradiosity.readings.paths import trace_referee
-from hradiosity.readings.sensors import PathRules, read_points
+from hradiosity.readings.sensors import PathRules, read_points, upload_points
 from hradiosity.show.camera import trace_view
 from hradiosity.solvers.link_operator import LinkOperator
 from hradiosity.space.bvh_build import build_bvh
@@ -74,6 +75,8 @@ def test_a_replicate(device, bands):
     solver = SurfaceSolver(device, scene, build_bvh(device, scene.patches), lit, plan, options, Record())
     light = solver.replicate(1)
     sensor, few = scene.sensors[0], np.array([4, 2])
+    points = upload_points(solver.on_device, sensor.position, sensor.normal)
+    shares = guide_shares(solver.on_device, solver.on_device_elements, light, points, seed=1)
     samples = read_points(
         solver.on_device,
         solver.on_device_elements,
@@ -84,6 +87,7 @@ def test_a_replicate(device, bands):
         gather_samples=few,
         rules=PathRules(2, 1.0),
         seed=1,
+        guide=guide_tables(shares),
     )
     irradiance = plan.columns.to_bands(samples.irradiance)
     assert irradiance.shape == (2, bands)
