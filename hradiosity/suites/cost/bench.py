@@ -6,6 +6,8 @@ import time
 from dataclasses import dataclass, replace
 from typing import Final
 
+import numpy as np
+
 from hradiosity.device import Device
 from hradiosity.io.calibration import load_calibration, measure
 from hradiosity.model.scene import Scene
@@ -42,7 +44,8 @@ LINKS_OVER_ROWS: Final = 4.0
 class Started:
     """A setting whose geometry and plan are ready.
 
-    predicted : wall seconds until it is done; None when nothing of its mode was measured
+    predicted : wall seconds of all of it; None when nothing of its mode was measured
+    begun : by the clock of the bench
     """
 
     setting: Setting
@@ -69,6 +72,7 @@ class SceneBench:
         self.scene, self.device = scene, device
         self.reference = GrowingReference(scene, device, kept)
         self._base: Run | None = None
+        self._paces: list[float] = []
         speed = load_calibration(device.description, "classic")
         self._classic = speed if isinstance(speed, ClassicCalibration) else UNMEASURED
         self._classic_plan: Plan | None = None
@@ -96,7 +100,7 @@ class SceneBench:
         SceneError
             When the setting is impossible for the scene.
         """
-        memory, begun = PeakMemory(), time.perf_counter()
+        memory, begun = PeakMemory(), self.clock()
         solver = make_solver(scene or self.scene, replace(setting.options, seed=seed), self.device)
         plan = solver.plan
         predicted: float | None = None
@@ -121,19 +125,21 @@ class SceneBench:
             self._classic = measured if isinstance(measured, ClassicCalibration) else self._classic
         work = {} if setting.options.mode == "classic" else work_of_plan(started.plan, setting.options)
         of_host = "CPU" in self.device.info.kind.upper()
-        return Run(
+        run = Run(
             setting=setting,
             seed=started.seed,
             elements=len(solution.elements),
             replicates=solution.replicates,
             cpu_seconds=solver.cpu_seconds,
-            wall_seconds=time.perf_counter() - started.begun,
+            wall_seconds=self.clock() - started.begun,
             memory_bytes=started.memory.added() if of_host else started.plan.memory_bytes,
             stage_seconds=dict(record["stage_seconds"]),
             work=work,
             readings=solution.readings,
             convergence=record["solver"][-1] if record["solver"] else {},
         )
+        self._paces.append(run.wall_seconds / max(run.cpu_seconds, 1e-3))
+        return run
 
     def learn(self, run: Run, plan: Plan) -> None:
         """Predict further runs from this one."""
@@ -145,9 +151,12 @@ class SceneBench:
         }
 
     def _predict(self, work: dict[str, float]) -> float:
+        """CPU seconds times how much longer runs have taken so far, of which one alone may have been held up."""
         if self._base is None:
             raise RuntimeError("nothing was measured yet")
-        return predict(self._base.wall_seconds, self._base.stage_seconds, self._base.work, work)
+        base, share = self._base, self._base.cpu_seconds / self._base.wall_seconds
+        stages = {stage: share * seconds for stage, seconds in base.stage_seconds.items()}
+        return float(np.median(self._paces)) * predict(base.cpu_seconds, stages, base.work, work)
 
     def _classic_seconds(self, plan: Plan, setting: Setting) -> float:
         """From the hemicubes and products of a plan, which hardly depend on the resolution."""

@@ -99,7 +99,9 @@ class CostRun:
         try:
             started = self.bench.start(setting)
         except SceneError as error:
-            yield self._skip(setting, None, f"refused: {error.faults[0].found}")
+            paired = setting.group == "form factors"
+            reason = "too many elements to hold all pairs" if paired else f"refused: {error.faults[0].found}"
+            yield self._skip(setting, None, reason)
             return
         twin = self._same_elements(setting, started.plan)
         if twin is not None:
