@@ -23,6 +23,7 @@ from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import build_elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.space.nodes import build_nodes
+from hradiosity.transport.cell_pairs import CellPairs
 from hradiosity.transport.device_scene import upload_elements, upload_scene
 from hradiosity.transport.exchange import trace_rows
 from hradiosity.transport.form_factor.hemicube import Hemicube
@@ -30,6 +31,7 @@ from hradiosity.transport.form_factor.interface import form_factor
 from hradiosity.transport.form_factor.methods import METHODS
 from hradiosity.transport.link_exchange import build_link_exchange, link_nodes
 from hradiosity.transport.links import LinkFinder, Refinement
+from hradiosity.transport.pair_sight import open_share
 
 pytestmark = pytest.mark.oclgrind
 LOG = Path(os.environ.get("OCLGRIND_LOG", os.devnull))
@@ -161,3 +163,16 @@ def test_hierarchical_links(device):
     operator = LinkOperator(device, build_link_exchange(linked, hits, elements, 1))
     product = operator.apply(np.ones((len(elements), 16), np.float32))
     assert nodes.n_levels == 2 and (product > 0.0).any() and np.isfinite(product).all()
+
+
+def test_pairs_of_rows(device):
+    """Proofs and samples between all pairs of elements, with solids that cover some of their points."""
+    scene = furnished_cube(1)
+    lit = lit_fronts(scene)
+    bvh = build_bvh(device, scene.patches)
+    elements = build_elements(scene.patches, lit.space, np.ones(len(scene.materials), bool), 0.8)
+    on_device, uploaded = upload_scene(device, scene, bvh, occlusion=True), upload_elements(device, elements)
+    cells = CellPairs(bvh, scene.patches, elements, np.zeros(len(elements), np.int64))
+    pairs = cells.by_rows("point", 1, cells.prove(1.0))
+    share, error, rays = open_share(on_device, uploaded, trace_rows(on_device, uploaded, 4, 1), pairs, 1)
+    assert rays > 0 and (share >= 0.0).all() and (share <= 1.0 + 1e-6).all() and (error >= 0.0).all()
