@@ -60,7 +60,7 @@ class CostPoint:
 
 @dataclass(frozen=True)
 class BandsPoint:
-    """One number of bands; illuminance and chromaticity as changes against the most bands."""
+    """One number of bands; mean illuminance and chromaticity as changes against the most bands."""
 
     bands: int
     seconds: float
@@ -227,7 +227,9 @@ def _bands(axes: Axes, bands: Sequence[BandsPoint]) -> None:
     """Change by fewer bands; seconds of each number beside its mark."""
     others = bands[:-1]
     count = [b.bands for b in others]
-    axes.plot(count, [max(100.0 * b.illuminance, 1e-4) for b in others], "o-", color="#0072B2", label="illuminance, %")
+    axes.plot(
+        count, [max(100.0 * b.illuminance, 1e-4) for b in others], "o-", color="#0072B2", label="mean illuminance, %"
+    )
     axes.plot(
         count, [max(1000.0 * b.chromaticity, 1e-4) for b in others], "s--", color="#D55E00", label="x, y in thousandths"
     )

@@ -24,6 +24,7 @@ from hradiosity.suites.cost.words import (
     price_rows,
     recommendation,
     reference_line,
+    share_text,
     skipped_lines,
     solver_rows,
 )
@@ -80,9 +81,15 @@ def tables(report: Report) -> list[tuple[str, Rows]]:
         ("Settings, by rising cost (* nothing is both cheaper and better)", price_rows(report.prices)),
         ("Solvers: the light on the surfaces, one replicate", solver_rows(report)),
         ("Effects forced against the plan", effect_rows(report)),
-        ("Numbers of bands", bands_rows(report)),
+        (_bands_title(report), bands_rows(report)),
     ]
     return [(title, rows) for title, rows in named if len(rows) > 1]
+
+
+def _bands_title(report: Report) -> str:
+    """With the noise that the readings, unlike their mean, may differ by from one number of bands to another."""
+    draft = next((price.sampling for price in report.prices if price.setting.name == "draft"), None)
+    return "Numbers of bands" + ("" if draft is None else f", by drafts whose own noise is {share_text(draft)}")
 
 
 def markdown_lines(report: Report) -> list[str]:
@@ -117,7 +124,7 @@ def picture_of(report: Report) -> CostPicture:
         )
         for k, price in enumerate(report.prices)
     )
-    bands = tuple(BandsPoint(b.bands, b.cpu_seconds, b.illuminance, b.chromaticity) for b in report.bands)
+    bands = tuple(BandsPoint(b.bands, b.cpu_seconds, abs(b.mean_illuminance), b.chromaticity) for b in report.bands)
     return CostPicture(report.scene, points, report.noise, report.spectral_noise, bands)
 
 
