@@ -33,6 +33,12 @@ GROUPS: Final[dict[str, tuple[str, str]]] = {
 CHAINS: Final = ("elements", "rays per element", "light points", "light samples", "gather samples", "classic")
 """Groups whose settings lie along a line; those of a knob go through normal."""
 NORMAL: Final = "normal"
+_STEPS: Final = (
+    (0.45, (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)),
+    (0.9, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)),
+    (2.6, (1.0, 2.0, 5.0)),
+)
+"""Ticks in each decade of an axis that is shorter than so many."""
 FLOOR, FRONT = "#d9d9d9", "#222222"
 
 
@@ -252,7 +258,7 @@ def _plain_ticks(axes: Axes, *, both: bool) -> None:
     for axis in (axes.xaxis, axes.yaxis) if both else (axes.yaxis,):
         low, high = axis.get_view_interval()
         decades = math.log10(max(high, 1e-12) / max(low, 1e-12))
-        steps = (1.0, 1.5, 2.0, 3.0, 5.0, 7.0) if decades < 0.9 else (1.0, 2.0, 5.0) if decades < 2.6 else (1.0,)
+        steps = next((few for most, few in _STEPS if decades < most), (1.0,))
         axis.set_major_locator(LogLocator(subs=steps, numticks=20))
         axis.set_minor_locator(LogLocator(subs=[float(k) for k in range(2, 10)], numticks=50))
         axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
