@@ -29,10 +29,9 @@ MASK_HEIGHT, MASK_DISTANCE = 3.0, 6.0
 """Of the canopy over the floor, and of the building opposite from the opening [m]."""
 BUILDING_WIDTH, CANOPY_WIDTH = 24.0, 8.0
 """Enough to be endless for every point through this opening [m]."""
-EFFORT = (("gather_samples", 1 << 20),)
-LAMP_EFFORT = (*EFFORT, ("light_samples", 1 << 20), ("replicates", 16))
-"""With luminous things outside, of which little is seen. Many replicates keep the sums short, which are of
-single precision."""
+EFFORT = (("gather_samples", 1 << 18),)
+LAMP_EFFORT = (*EFFORT, ("light_samples", 1 << 20))
+"""With luminous things outside, of which little is seen."""
 
 Place = tuple[Sequence[float], Sequence[float]]
 
