@@ -55,6 +55,8 @@ def finished(**changes):
     seconds = {"exchange rays": 1.0, "direct light": 2.0, "exchange": 0.5, "solution": 4.0, "readings": 0.8}
     values = {
         "hemicubes": 0,
+        "links": None,
+        "pairs": 0,
         "n_readings": 10,
         "rays_per_element": 16,
         "n_emitters": 3,
