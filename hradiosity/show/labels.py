@@ -40,10 +40,11 @@ def label_points(
     renderer : RendererBase
     """
     from matplotlib.patheffects import withStroke
+    from matplotlib.text import Text
 
     marks = [axes.transData.transform(point) for point in points]
     frame = axes.get_window_extent(renderer)
-    taken: list[Any] = []
+    taken: list[Any] = [Text.get_window_extent(text, renderer) for text in axes.texts]
     for x, y, text in sorted(texts):
         for dx, dy, side in _PLACES:
             note = axes.annotate(
