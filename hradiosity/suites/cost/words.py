@@ -183,7 +183,7 @@ def reference_line(report: Report) -> str:
     """What everything was compared with."""
     return (
         f"referee: {report.paths} paths from each of {report.readings} readings, "
-        f"{seconds_text(report.reference_cpu_seconds)} of CPU; its noise ({share_text(report.noise)} lx, "
+        f"{seconds_text(report.reference_cpu_seconds)} of CPU in this run; its noise ({share_text(report.noise)} lx, "
         f"{share_text(report.spectral_noise)} spectra) is taken out"
     )
 
