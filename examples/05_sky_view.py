@@ -1,4 +1,4 @@
-"""Form factors alone: how much sky does a street see, and how much of it does an awning take from the pavement?
+"""Form factors alone: the share of sky that a street sees, and what an awning takes of it from the pavement.
 
 The sky over a street canyon is the polygon between its roofs. No scene file is needed, only corners in metres.
 
@@ -13,13 +13,13 @@ LENGTH, WIDTH, HEIGHT = 60.0, 12.0, 15.0
 AWNING_HEIGHT, AWNING_DEPTH, PAVEMENT = 3.0, 2.0, 3.0
 
 
-def flat(x0, x1, z, *, up):
+def flat(x0: float, x1: float, z: float, *, up: bool) -> np.ndarray:
     """A rectangle over the length of the street that looks up or down."""
     ring = np.array([[x0, 0, z], [x1, 0, z], [x1, LENGTH, z], [x0, LENGTH, z]])
     return ring if up else ring[::-1]
 
 
-def facade(x, towards):
+def facade(x: float, towards: int) -> np.ndarray:
     """A wall of the street that looks along +x (towards = 1) or -x (-1)."""
     ring = np.array([[x, 0, 0], [x, LENGTH, 0], [x, LENGTH, HEIGHT], [x, 0, HEIGHT]])
     return ring[::towards]
