@@ -20,10 +20,10 @@ QUALITIES: Final = MappingProxyType(
         "draft": {
             "elements": 4000,
             "gather_samples": 1024,
-            "light_samples": 64,
+            "light_samples": 128,
         },
         "normal": {},
-        "fine": {"elements": 16000, "light_points": 32, "gather_samples": 16384, "light_samples": 1024},
+        "fine": {"elements": 16000, "light_points": 32, "gather_samples": 16384, "light_samples": 2048},
     }
 )
 """What each quality sets apart from the defaults; README tells what each costs."""
@@ -68,7 +68,7 @@ class Options:
     element_size: float | None = None
     rays_per_element: int = 64
     light_points: int = 16
-    light_samples: int = 256
+    light_samples: int = 512
     gather_samples: int = 4096
     lookup: Literal[2, 3] = 2
     replicates: int = 4
