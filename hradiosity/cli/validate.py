@@ -93,22 +93,9 @@ def _print_case(result: CaseResult, number: int, count: int) -> None:
 def _print_summary(outcome: Outcome) -> None:
     """A line a case, what was not run, and the verdict."""
     from hradiosity.cli.text import aligned
-    from hradiosity.suites.validation.report import share_text
+    from hradiosity.suites.validation.report import summary_cells
 
-    rows = [("case", "points", "worst", "at", "bar", "seconds", "")]
-    for result in outcome.results:
-        worst = result.worst
-        rows.append(
-            (
-                result.case.name,
-                str(len(result.rows)),
-                share_text(worst.deviation, signed=True),
-                worst.point,
-                share_text(worst.tolerance),
-                f"{result.seconds:.1f}",
-                _verdict(result.passed),
-            )
-        )
+    rows = [("case", "points", "worst", "at", "bar", "seconds", ""), *map(summary_cells, outcome.results)]
     print()
     for line in (*aligned(rows), *_not_run_lines(outcome.not_run)):
         print(line)

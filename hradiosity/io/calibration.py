@@ -2,22 +2,16 @@
 
 from __future__ import annotations
 
-import json
-import os
-import sys
 from collections.abc import Iterable
 from dataclasses import asdict, fields
-from pathlib import Path
-from typing import Any
 
-from hradiosity.errors import OutputError
-from hradiosity.io.output_folder import write_file
+from hradiosity.io.cache import load_devices, store_devices
 from hradiosity.options import Mode
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.planning_classic import pixels_drawn, products
 from hradiosity.solution import Solution
 
-CACHE_VARIABLE = "HRADIOSITY_CACHE"
+_FILE = "devices.json"
 _KEPT_BUILDS = 200
 _KINDS: dict[Mode, tuple[type[Calibration | ClassicCalibration], str]] = {
     "rays": (Calibration, "calibration"),
@@ -27,21 +21,10 @@ _KINDS: dict[Mode, tuple[type[Calibration | ClassicCalibration], str]] = {
 _CLASSIC_STAGES = ("lamps", "sky", "shooting", "readings")
 
 
-def cache_folder() -> Path:
-    """Where measured speeds are kept: ``HRADIOSITY_CACHE``, else the user's cache folder."""
-    named = os.environ.get(CACHE_VARIABLE)
-    if named:
-        return Path(named)
-    if sys.platform == "darwin":
-        return Path.home() / "Library" / "Caches" / "hradiosity"
-    base = os.environ.get("LOCALAPPDATA") if sys.platform == "win32" else os.environ.get("XDG_CACHE_HOME")
-    return (Path(base) if base else Path.home() / ".cache") / "hradiosity"
-
-
 def load_calibration(device: str, mode: Mode = "rays") -> Calibration | ClassicCalibration | None:
     """Speeds of a device, by its description, in one mode; None when they were never measured."""
     kind, entry = _KINDS[mode]
-    kept = _load().get(device, {}).get(entry)
+    kept = load_devices(_FILE).get(device, {}).get(entry)
     if not isinstance(kept, dict) or kept.keys() != {field.name for field in fields(kind)}:
         return None
     return kind(**{name: float(value) for name, value in kept.items()})
@@ -49,7 +32,7 @@ def load_calibration(device: str, mode: Mode = "rays") -> Calibration | ClassicC
 
 def load_builds(device: str) -> frozenset[str]:
     """Kernels that an earlier run had built for the device; their driver holds them."""
-    return frozenset(_load().get(device, {}).get("builds", ()))
+    return frozenset(load_devices(_FILE).get(device, {}).get("builds", ()))
 
 
 def store(device: str, builds: Iterable[str], calibration: Calibration | ClassicCalibration | None) -> bool:
@@ -60,18 +43,13 @@ def store(device: str, builds: Iterable[str], calibration: Calibration | Classic
     bool
         False when the cache can't be written, which harms nothing.
     """
-    kept = _load()
+    kept = load_devices(_FILE)
     entry = kept.setdefault(device, {})
     known = list(entry.get("builds", ()))
     entry["builds"] = (known + [build for build in builds if build not in known])[-_KEPT_BUILDS:]
     if calibration is not None:
         entry[next(name for kind, name in _KINDS.values() if isinstance(calibration, kind))] = asdict(calibration)
-    try:
-        cache_folder().mkdir(parents=True, exist_ok=True)
-        write_file(_file(), json.dumps({"devices": kept}, indent=1).encode())
-    except (OSError, OutputError):
-        return False
-    return True
+    return store_devices(_FILE, kept)
 
 
 def measure(solution: Solution) -> Calibration | ClassicCalibration | None:
@@ -111,19 +89,3 @@ def _measure_rays(solution: Solution) -> Calibration | None:
         exchange_s_per_ray=seconds["exchange"] / rays,
         solve_s_per_ray_column=seconds["solution"] / rays / (8 * plan.columns.n_groups),
     )
-
-
-def _file() -> Path:
-    return cache_folder() / "devices.json"
-
-
-def _load() -> dict[str, dict[str, Any]]:
-    """What is kept of each device; nothing when there is no file or it is damaged."""
-    try:
-        found = json.loads(_file().read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    devices = found.get("devices") if isinstance(found, dict) else None
-    if not isinstance(devices, dict):
-        return {}
-    return {name: entry for name, entry in devices.items() if isinstance(entry, dict)}

@@ -5,15 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
-from pathlib import Path
-from typing import Any, Final
+from typing import Final
 
-from hradiosity.errors import OutputError
-from hradiosity.io.calibration import cache_folder
-from hradiosity.io.output_folder import write_file
+from hradiosity.io.cache import load_devices, store_devices
 from hradiosity.options import Options
 from hradiosity.readings.interval import student_quantile
 
+_FILE: Final = "cost.json"
 MOST_REPLICATES: Final = 256
 _KEPT_SCENES: Final = 50
 _APART: Final = ("accuracy", "time", "seed", "pictures")
@@ -56,7 +54,7 @@ def key_of(options: Options) -> str:
 
 def load_learnt(device: str, digest: str, options: Options) -> Learnt | None:
     """What is known about a setting of a scene on a device; None when it was never measured."""
-    kept = _load().get(device, {}).get(digest, {}).get(key_of(options))
+    kept = load_devices(_FILE).get(device, {}).get(digest, {}).get(key_of(options))
     if not isinstance(kept, dict) or kept.keys() != {field.name for field in fields(Learnt)}:
         return None
     return Learnt(**{name: float(value) for name, value in kept.items()})
@@ -70,16 +68,11 @@ def store_learnt(device: str, digest: str, found: Sequence[tuple[Options, Learnt
     bool
         False when the cache can't be written, which harms nothing.
     """
-    kept = _load()
+    kept = load_devices(_FILE)
     scenes = kept.setdefault(device, {})
     scenes[digest] = scenes.pop(digest, {}) | {key_of(options): asdict(learnt) for options, learnt in found}
     kept[device] = dict(list(scenes.items())[-_KEPT_SCENES:])
-    try:
-        cache_folder().mkdir(parents=True, exist_ok=True)
-        write_file(_file(), json.dumps({"devices": kept}, indent=1).encode())
-    except (OSError, OutputError):
-        return False
-    return True
+    return store_devices(_FILE, kept)
 
 
 def accuracy_line(learnt: Learnt | None, accuracy: float, options: Options) -> str:
@@ -96,19 +89,3 @@ def accuracy_line(learnt: Learnt | None, accuracy: float, options: Options) -> s
     return (
         f"{wanted}: about {learnt.seconds_for(count):.2g} s in {count} replicates, as hradiosity cost measured{remark}"
     )
-
-
-def _file() -> Path:
-    return cache_folder() / "cost.json"
-
-
-def _load() -> dict[str, dict[str, Any]]:
-    """What is kept of each device; nothing when there is no file or it is damaged."""
-    try:
-        found = json.loads(_file().read_text(encoding="utf-8"))
-    except (OSError, ValueError):
-        return {}
-    devices = found.get("devices") if isinstance(found, dict) else None
-    if not isinstance(devices, dict):
-        return {}
-    return {name: entry for name, entry in devices.items() if isinstance(entry, dict)}

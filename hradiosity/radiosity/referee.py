@@ -93,19 +93,11 @@ class Referee:
         RuntimeError
             Before the first round.
         """
-        return self._moments().readings()
-
-    def _moments(self) -> ReadingMoments:
-        """Every scramble is a replicate."""
-        samples = self._totals.samples()
-        moments = ReadingMoments(self.scene.sensors, self.scene.bands)
-        for spectra in samples.per_scramble:
-            moments.add(spectra, samples.enclosed)
-        return moments
+        return scramble_moments(self.scene, self._totals.samples()).readings()
 
     def _state(self, wanted: int) -> RefereeState:
         samples = self._totals.samples()
-        errors = self._moments().errors()
+        errors = scramble_moments(self.scene, samples).errors()
         scrambles = len(samples.per_scramble)
         return RefereeState(
             paths=samples.paths,
@@ -116,6 +108,14 @@ class Referee:
             error=float(errors.max(initial=0.0)),
             median_error=float(np.median(errors)) if len(errors) else 0.0,
         )
+
+
+def scramble_moments(scene: Scene, samples: RefereeSamples) -> ReadingMoments:
+    """Readings with intervals from the spread of the scrambles: every one is a replicate."""
+    moments = ReadingMoments(scene.sensors, scene.bands)
+    for spectra in samples.per_scramble:
+        moments.add(spectra, samples.enclosed)
+    return moments
 
 
 def run_referee(

@@ -10,8 +10,7 @@ import numpy as np
 
 from hradiosity.device import Device
 from hradiosity.model.scene import Scene
-from hradiosity.radiosity.referee import Referee, RefereeState
-from hradiosity.readings.moments import ReadingMoments
+from hradiosity.radiosity.referee import Referee, RefereeState, scramble_moments
 from hradiosity.readings.paths import RefereeSamples
 from hradiosity.solution import Readings
 
@@ -50,10 +49,7 @@ def referee_readings(
             if cache is not None and traced:
                 save_samples(cache, digest, seed, referee.samples())
         kept = referee.samples()
-    moments = ReadingMoments(scene.sensors, scene.bands)
-    for spectra in kept.per_scramble:
-        moments.add(spectra, kept.enclosed)
-    return moments.readings()
+    return scramble_moments(scene, kept).readings()
 
 
 def scene_digest(scene: Scene) -> str:

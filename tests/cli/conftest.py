@@ -7,7 +7,7 @@ from cli_room import ROOM
 
 from hradiosity.cli import main, session
 from hradiosity.device import Device
-from hradiosity.io.calibration import CACHE_VARIABLE
+from hradiosity.io.cache import CACHE_VARIABLE
 
 
 @dataclass(frozen=True)

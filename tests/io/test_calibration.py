@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from hradiosity.io import calibration
+from hradiosity.io.cache import CACHE_VARIABLE
 from hradiosity.plan import Calibration
 
 SPEEDS = Calibration(2e6, 1e6, 5e5, 3e-7, 1e-8)
@@ -12,7 +13,7 @@ SPEEDS = Calibration(2e6, 1e6, 5e5, 3e-7, 1e-8)
 
 @pytest.fixture(autouse=True)
 def cache(tmp_path, monkeypatch):
-    monkeypatch.setenv(calibration.CACHE_VARIABLE, str(tmp_path / "cache"))
+    monkeypatch.setenv(CACHE_VARIABLE, str(tmp_path / "cache"))
     return tmp_path / "cache"
 
 

@@ -5,7 +5,7 @@ import math
 import pytest
 
 from hradiosity.io import learnt
-from hradiosity.io.calibration import CACHE_VARIABLE
+from hradiosity.io.cache import CACHE_VARIABLE
 from hradiosity.io.learnt import Learnt, accuracy_line, load_learnt, store_learnt
 from hradiosity.options import Options
 from hradiosity.readings.interval import student_quantile

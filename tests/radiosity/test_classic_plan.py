@@ -5,7 +5,8 @@ import pytest
 from box_rooms import CASES, box_room
 from scipy.sparse import csr_array
 
-from hradiosity.io.calibration import CACHE_VARIABLE, load_calibration, measure, store
+from hradiosity.io.cache import CACHE_VARIABLE
+from hradiosity.io.calibration import load_calibration, measure, store
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.planning_classic import pixels_drawn, products

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Final
 
-from hradiosity.io.calibration import cache_folder
+from hradiosity.io.cache import cache_folder
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
 from hradiosity.solution import Readings

@@ -10,8 +10,8 @@ import numpy as np
 
 from hradiosity.device import Device
 from hradiosity.model.scene import Scene
+from hradiosity.radiosity.referee import scramble_moments
 from hradiosity.readings.interval import student_quantile
-from hradiosity.readings.moments import ReadingMoments
 from hradiosity.readings.path_scene import prepare_referee
 from hradiosity.readings.paths import ROUND_PATHS, SCRAMBLES, PathSums, PathTotals, RefereeSamples, trace_round
 from hradiosity.solution import Readings
@@ -94,11 +94,7 @@ class GrowingReference:
         RuntimeError
             Before the first round.
         """
-        samples = self._totals.samples()
-        moments = ReadingMoments(self._scene.sensors, self._scene.bands)
-        for spectra in samples.per_scramble:
-            moments.add(spectra, samples.enclosed)
-        return moments.readings()
+        return scramble_moments(self._scene, self._totals.samples()).readings()
 
     def noise(self) -> float:
         """Standard error of the illuminances over their values, root mean square; infinite before the first round."""

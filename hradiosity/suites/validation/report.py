@@ -127,24 +127,24 @@ def _blocks(outcome: Outcome) -> list[Block]:
     return blocks
 
 
+def summary_cells(result: CaseResult) -> tuple[str, ...]:
+    """A case in one row: name, points, worst deviation and where, its bar, seconds, verdict."""
+    worst = result.worst
+    return (
+        result.case.name,
+        str(len(result.rows)),
+        share_text(worst.deviation, signed=True),
+        worst.point,
+        share_text(worst.tolerance),
+        f"{result.seconds:.1f}",
+        "pass" if result.passed else "FAIL",
+    )
+
+
 def _summary(outcome: Outcome) -> Table:
-    rows = []
-    for result in outcome.results:
-        worst = result.worst
-        rows.append(
-            (
-                result.case.name,
-                str(len(result.rows)),
-                share_text(worst.deviation, signed=True),
-                worst.point,
-                share_text(worst.tolerance),
-                f"{result.seconds:.1f}",
-                "pass" if result.passed else "FAIL",
-            )
-        )
     return Table(
         ("case", "points", "worst deviation", "at", "bar", "seconds", ""),
-        tuple(rows),
+        tuple(map(summary_cells, outcome.results)),
         frozenset(k for k, result in enumerate(outcome.results) if not result.passed),
         tuple(result.case.name for result in outcome.results),
     )
