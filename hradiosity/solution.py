@@ -64,7 +64,7 @@ class Readings:
 class Surfaces:
     """The light on the row elements.
 
-    irradiance : (n_rows, n_bands) float64 [W m⁻² per band], mean over replicates
+    irradiance : (n_rows, n_bands) float64 [W m⁻² per band], mean over replicates, each with the share that it found exposed
     direct : (n_rows, n_bands) float64, the part that comes straight from emitters
     space : (n_rows,) int32, connected space that each element looks into
     exposed : (n_rows,) float64, share of the element that is not covered by a solid

@@ -22,6 +22,8 @@ from hradiosity.plan import Plan
 
 CHECKPOINT_FILE = "checkpoint.h5"
 MESH_FILE = "solution.vtkhdf"
+_LAYOUT = 2
+"""One more whenever a checkpoint keeps something else, so that none of an earlier program is taken up."""
 _PLAN_FIELDS = (
     *("element_size", "rays_per_element", "light_points", "light_samples", "gather_samples"),
     *("occlusion", "interreflection"),
@@ -37,7 +39,7 @@ def run_digest(scene: Scene, plan: Plan, options: Options, device: str) -> str:
     described = [getattr(scene, f.name) for f in fields(scene) if f.name not in ("name", "path", "views", "notes")]
     settings = [getattr(plan, name) for name in _PLAN_FIELDS]
     choices = [[f.name, getattr(options, f.name)] for f in fields(options) if f.name not in _OTHER_OPTIONS]
-    _feed(digest, [described, settings, choices, device, source_digest()])
+    _feed(digest, [described, settings, choices, device, source_digest(), _LAYOUT])
     return digest.hexdigest()[:32]
 
 

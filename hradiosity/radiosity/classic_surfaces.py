@@ -284,9 +284,7 @@ class ClassicSurfaces(SurfaceSolver):
     ) -> None:
         """Running means, and what the hemicubes lost."""
         padded = self.plan.columns.padded
-        self._indirect.add(padded(irradiance - direct))
-        self._direct.add(padded(direct))
-        self._exposed.add(exposed)
+        self._keep(padded(irradiance), padded(direct), exposed)
         lost = rows.lost[~np.isnan(rows.lost)]
         self.record.defects.append(
             Defects(

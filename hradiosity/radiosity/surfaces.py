@@ -227,11 +227,12 @@ class SurfaceSolver:
         )
 
     def surfaces(self) -> Surfaces:
-        """Mean over the replicates so far."""
+        """Mean over the replicates so far, each row's over those parts of it that its rays found exposed."""
         to_bands = self.plan.columns.to_bands
+        direct = self._exposed_mean(self._direct)
         return Surfaces(
-            irradiance=to_bands(self._indirect.mean + self._direct.mean),
-            direct=to_bands(self._direct.mean),
+            irradiance=to_bands(self._exposed_mean(self._indirect) + direct),
+            direct=to_bands(direct),
             space=self.space,
             exposed=self._exposed.mean,
         )
@@ -308,19 +309,34 @@ class SurfaceSolver:
                     self._deflation = (
                         deflation_vectors(operator, self.space) if bright else np.zeros((len(self.elements), 0))
                     )
-                start = self._indirect.mean.astype(np.float32) - glow if self._indirect.count else None
+                start = self._exposed_mean(self._indirect).astype(np.float32) - glow if self._indirect.count else None
                 irradiance = self._iterate(operator, reflectance, irradiance, start)
-        self._indirect.add(irradiance - direct)
-        self._direct.add(direct)
-        self._exposed.add(
-            np.divide(
-                exchange.element_area,
-                self.elements.area,
-                out=np.zeros_like(exchange.element_area),
-                where=self.elements.area > 0.0,
-            )
+        exposed = np.divide(
+            exchange.element_area,
+            self.elements.area,
+            out=np.zeros_like(exchange.element_area),
+            where=self.elements.area > 0.0,
         )
+        self._keep(irradiance, direct, exposed)
         return irradiance
+
+    def _keep(
+        self, irradiance: NDArray[np.floating], direct: NDArray[np.floating], exposed: NDArray[np.floating]
+    ) -> None:
+        """Take a replicate into the running means; light counts by the exposed share (n_rows,) of its row.
+
+        A row that the rays of one replicate found wholly covered has no light there, which says nothing about the rest.
+        """
+        share = exposed[:, None]
+        self._indirect.add(share * (irradiance - direct))
+        self._direct.add(share * direct)
+        self._exposed.add(exposed)
+
+    def _exposed_mean(self, light: RunningMoments) -> NDArray[np.float64]:
+        """(n_rows, 8 n_groups) Σ share · light / Σ share over the replicates; 0 where a row was never exposed."""
+        share = self._exposed.mean[:, None]
+        mean: NDArray[np.float64] = np.divide(light.mean, share, out=np.zeros_like(light.mean), where=share > 0.0)
+        return mean
 
     def _light_of_glow(self, operator: ExchangeOperator) -> NDArray[np.float32]:
         """(n_rows, 8 n_groups) irradiance straight from the emitters that have no shadow rays."""
