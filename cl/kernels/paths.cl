@@ -36,8 +36,8 @@ typedef struct {
 HR_FORCE_INLINE hr_explicit hr_light_hit(const float3 x, const float3 n, const uint own, const uint row,
                                          const float3 numbers, __global const float *emitter_choice,
                                          __global const float *row_direct, __global const uchar *row_sight,
-                                         const uint n_emitters, const uint occlusion, const float scale, HR_EMITTER_PARAMS, HR_PATCH_PARAMS,
-                                         HR_BVH_PARAMS)
+                                         const uint n_emitters, const uint occlusion, const float scale,
+                                         HR_EMITTER_PARAMS, HR_PATCH_PARAMS, HR_BVH_PARAMS)
 {
     hr_explicit light = {0, 0.0f, 0.0f, 0};
     if (n_emitters == 0)
