@@ -20,6 +20,9 @@ from hradiosity.transport.glow import weak_emitters
 
 LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
 """Bounds of a row element's edge, as shares of the mean free path of light."""
+MOST_TIMES, ANYWAY = 16, 2000
+"""Times the elements asked for, and elements in any case, up to which a short mean free path makes more: between plates
+that nearly touch it would make millions."""
 
 MOST_ELEMENTS = 5_000_000
 """More than any device at hand holds the exchange of; so many are asked for by a slip of units."""
@@ -143,6 +146,9 @@ def _element_size(area: float, options: Options, free_path: float) -> tuple[floa
     size = float(np.sqrt(area / options.elements))
     if size < LEAST_SHARE * free_path:
         return LEAST_SHARE * free_path, f"cells no smaller than {100 * LEAST_SHARE:g} % of the mean free path"
+    finest = float(np.sqrt(area / max(MOST_TIMES * options.elements, ANYWAY)))
+    if finest > LARGEST_SHARE * free_path:
+        return finest, f"no more though they are larger than {100 * LARGEST_SHARE:g} % of the mean free path"
     if size > LARGEST_SHARE * free_path:
         return LARGEST_SHARE * free_path, f"cells no larger than {100 * LARGEST_SHARE:g} % of the mean free path"
     return size, ""

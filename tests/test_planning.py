@@ -161,6 +161,13 @@ def test_a_number_of_elements_that_is_not_kept_is_explained(elements, edge, boun
     assert "--element-size" in line
 
 
+def test_plates_that_nearly_touch_do_not_make_millions_of_elements():
+    scene = cube(0.5, bands=BANDS).scene()
+    plan = make_plan(scene, Options(elements=500), lit_cube(scene, free_path=1e-5))
+    assert plan.element_size == pytest.approx((6 / 8000) ** 0.5)
+    assert "larger than 20 % of the mean free path" in plan.size_bound
+
+
 @pytest.mark.parametrize("options", [Options(elements=2000), Options(element_size=0.01), Options(element_size=0.4)])
 def test_a_size_within_bounds_or_forced_needs_no_word(options):
     scene = cube(0.5, bands=BANDS).scene()

@@ -7,6 +7,8 @@ from numpy.typing import NDArray
 
 from hradiosity.model.meshing import Pieces, merge_triangles
 
+WARP_WORTH_A_WARNING: Final = 1e-3
+"""`planarity_defect` that goes without a word."""
 _FLAT: Final = 1e-10
 """Twice the area of a triangle relative to the squared size, or a distance relative to the size, that counts as 0."""
 

@@ -10,6 +10,7 @@ import numpy as np
 
 from hradiosity.errors import Fault, SceneError
 from hradiosity.io.mesh.raw import PartLabel, RawMesh, Texture, triangulate_faces
+from hradiosity.model.polygons import WARP_WORTH_A_WARNING
 from hradiosity.model.scene import Note
 
 _MOST_FAULTS: Final = 20
@@ -115,7 +116,7 @@ def read_obj(path: Path) -> RawMesh:
 
 def _assemble(parser: _Parser) -> RawMesh:
     vertices = np.array(parser.vertices, dtype=np.float64).reshape(-1, 3)
-    triangles, face, doubtful = triangulate_faces(vertices, parser.faces)
+    cut = triangulate_faces(vertices, parser.faces)
     textures, notes = _read_libraries(parser)
     labels: dict[PartLabel, int] = {}
     renumber = np.zeros(len(parser.parts), dtype=np.int64)
@@ -126,10 +127,14 @@ def _assemble(parser: _Parser) -> RawMesh:
     for what, number in parser.left_out.items():
         kind: Literal["warning", "info"] = "warning" if what == _SURFACES else "info"
         notes.append(Note(kind, place, f"{number} {what} left out: only faces are read"))
-    if doubtful:
-        notes.append(Note("warning", place, f"{doubtful} faces have crossing edges or no area; cut as fans"))
-    part_of_face = renumber[np.array(parser.face_part, dtype=np.int64)[face]]
-    return RawMesh(vertices, triangles, part_of_face, tuple(labels), tuple(notes))
+    if cut.doubtful:
+        notes.append(Note("warning", place, f"{cut.doubtful} faces have crossing edges or no area; cut as fans"))
+    bent = int((cut.warp > WARP_WORTH_A_WARNING).sum())
+    if bent:
+        worst = f"in the worst one a corner is {100 * cut.warp.max():.2g} % of its size off"
+        notes.append(Note("warning", place, f"{bent} faces are not flat: {worst}; cut into triangles"))
+    part_of_face = renumber[np.array(parser.face_part, dtype=np.int64)[cut.face]]
+    return RawMesh(vertices, cut.triangles, part_of_face, tuple(labels), tuple(notes))
 
 
 def _text(path: Path) -> str:
@@ -178,8 +183,8 @@ def _textures(path: Path) -> dict[str, Texture]:
         keyword, _, rest = line.partition(" ")
         if keyword == "newmtl":
             name = rest.strip()
-        elif keyword.lower() == "map_kd":
-            pictures[name] = _picture_name(rest.split())
+        elif keyword.lower() == "map_kd" and (picture := _picture_name(rest.split())):
+            pictures[name] = picture
         elif keyword == "Kd":
             factors[name] = _factor(rest.split())
     return {

@@ -3,11 +3,12 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.model.polygons import triangulate
+from hradiosity.model.polygons import planarity_defect, triangulate
 from hradiosity.model.scene import Note
 
 
@@ -58,20 +59,27 @@ class RawMesh:
             )
 
 
-def triangulate_faces(
-    vertices: NDArray[np.float64], faces: Sequence[Sequence[int]]
-) -> tuple[NDArray[np.int64], NDArray[np.int64], int]:
-    """Cut faces of any number of corners into triangles.
+class CutFaces(NamedTuple):
+    """Faces of any number of corners, cut into triangles.
 
-    Returns
-    -------
     triangles : (m, 3) int64
     face : (m,) int64, the face each triangle comes from, ascending
-    doubtful : number of faces with more than three corners whose edges cross or that have no area; they are cut as
+    warp : (n_faces,) float64, largest distance of a corner from the face's mean plane, relative to the face's size
+    doubtful : number of faces with more than four corners whose edges cross or that have no area; they are cut as
         fans from their first corner
     """
+
+    triangles: NDArray[np.int64]
+    face: NDArray[np.int64]
+    warp: NDArray[np.float64]
+    doubtful: int
+
+
+def triangulate_faces(vertices: NDArray[np.float64], faces: Sequence[Sequence[int]]) -> CutFaces:
+    """Cut faces of any number of corners, given as vertex numbers, into triangles."""
     count = np.fromiter((len(face) for face in faces), dtype=np.int64, count=len(faces))
     triangles, owners = [np.empty((0, 3), dtype=np.int64)], [np.empty(0, dtype=np.int64)]
+    warp = np.zeros(len(faces))
     doubtful = 0
     three = np.flatnonzero(count == 3)
     if len(three):
@@ -79,12 +87,15 @@ def triangulate_faces(
         owners.append(three)
     four = np.flatnonzero(count == 4)
     if len(four):
-        triangles.append(_split_quads(vertices, np.array([faces[i] for i in four.tolist()], dtype=np.int64)))
+        quads = np.array([faces[i] for i in four.tolist()], dtype=np.int64)
+        triangles.append(_split_quads(vertices, quads))
         owners.append(np.repeat(four, 2))
+        warp[four] = _quad_warp(vertices[quads])
     for index in np.flatnonzero(count > 4).tolist():
         corners = np.array(faces[index], dtype=np.int64)
         try:
             local = triangulate(vertices[corners])
+            warp[index] = planarity_defect(vertices[corners])
         except ValueError:
             doubtful += 1
             around = np.arange(1, len(corners) - 1)
@@ -93,7 +104,16 @@ def triangulate_faces(
         owners.append(np.full(len(local), index))
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
-    return np.concatenate(triangles)[order], owner[order], doubtful
+    return CutFaces(np.concatenate(triangles)[order], owner[order], warp, doubtful)
+
+
+def _quad_warp(corner: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) as `planarity_defect`, of quads (n, 4, 3); 0 for those without area."""
+    about = corner - corner.mean(axis=1, keepdims=True)
+    normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
+    height = np.abs(np.einsum("nkd,nd->nk", about, normal)).max(axis=1, initial=0.0)
+    scale = np.linalg.norm(normal, axis=1) * np.linalg.norm(about, axis=2).max(axis=1, initial=0.0)
+    return np.divide(height, scale, out=np.zeros_like(height), where=scale > 0.0)
 
 
 def _split_quads(vertices: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:

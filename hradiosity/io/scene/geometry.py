@@ -17,11 +17,8 @@ from hradiosity.io.scene.schema import SceneFile
 from hradiosity.io.scene.schema_surfaces import PolygonTable, RectangleTable
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.meshing import Pieces
-from hradiosity.model.polygons import newell_normal, planarity_defect, polygon_to_patches
+from hradiosity.model.polygons import WARP_WORTH_A_WARNING, newell_normal, planarity_defect, polygon_to_patches
 from hradiosity.model.solids import find_solids
-
-WARP_WORTH_A_WARNING: Final = 1e-3
-"""Largest distance of a corner from the mean plane, over the polygon's size, that goes without a word."""
 
 _REPEATED_CORNER: Final = 1e-9
 _NO_AREA: Final = 1e-9
