@@ -115,7 +115,9 @@ HR_FORCE_INLINE uint hr_boxes_met(__global const float8 *node, const hr_ray *ray
    are met in (0, t_max].
    Woop, Benthin, Wald 2013: corners are sheared so that the ray is the z axis; the signs of the three edge functions
    then decide. Neighbours get the same edge function but for the sign, so no ray passes between them; a zero belongs
-   to both. det > 0 where the ray meets the front. */
+   to both. det > 0 where the ray meets the front.
+   Where the ray runs in a triangle's plane all three are what rounding left, and may agree however far away the ray
+   passes: it has to pass inside the bounds of the sheared corners as well. */
 HR_FORCE_INLINE uint hr_triangles_met(__global const float8 *leaf, const hr_ray *ray, float t_max, float8 *t,
                                       float8 *second, float8 *third, float8 *det)
 {
@@ -137,9 +139,11 @@ HR_FORCE_INLINE uint hr_triangles_met(__global const float8 *leaf, const hr_ray 
     const float8 lowest = hr_smaller8(hr_smaller8(u, v), w);
     const float8 highest = hr_larger8(hr_larger8(u, v), w);
     const float8 sum = u + v + w;
-    const int8 inside = ((lowest >= 0.0f) | (highest <= 0.0f)) & (sum != 0.0f);
+    int8 inside = ((lowest >= 0.0f) | (highest <= 0.0f)) & (sum != 0.0f);
     if (!hr_lanes(inside))
         return 0u;
+    inside &= (hr_smaller8(hr_smaller8(ax, bx), cx) <= 0.0f) & (hr_larger8(hr_larger8(ax, bx), cx) >= 0.0f);
+    inside &= (hr_smaller8(hr_smaller8(ay, by), cy) <= 0.0f) & (hr_larger8(hr_larger8(ay, by), cy) >= 0.0f);
     *t = (u * az + v * bz + w * cz) * ray->shear_z / sum;
     *second = v;
     *third = w;
