@@ -80,6 +80,41 @@ def chromaticity(tristimulus: NDArray[np.float64]) -> NDArray[np.float64]:
     return xy
 
 
+def uniform_chromaticity(tristimulus: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Chromaticity coordinates u′, v′ of the CIE 1976 uniform chromaticity scale, CIE 15:2018.
+
+    Parameters
+    ----------
+    tristimulus : (…, 3) float64
+
+    Returns
+    -------
+    (…, 2) float64
+        NaN where there is no light.
+    """
+    x, y, z = np.moveaxis(tristimulus, -1, 0)
+    total = (x + 15.0 * y + 3.0 * z)[..., None]
+    uv = np.full_like(tristimulus[..., :2], np.nan)
+    np.divide(np.stack([4.0 * x, 9.0 * y], axis=-1), total, out=uv, where=total > 0)
+    return uv
+
+
+def chromaticity_1960(tristimulus: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Chromaticity coordinates u = u′, v = ⅔ v′ of CIE 1960, in which colour temperatures are defined.
+
+    Parameters
+    ----------
+    tristimulus : (…, 3) float64
+
+    Returns
+    -------
+    (…, 2) float64
+        NaN where there is no light.
+    """
+    uv: NDArray[np.float64] = uniform_chromaticity(tristimulus) * np.array([1.0, 2.0 / 3.0])
+    return uv
+
+
 def _srgb_from_xyz() -> NDArray[np.float64]:
     """(3, 3) matrix that takes white of luminance 1 to (1, 1, 1), from the primaries and the white.
 
