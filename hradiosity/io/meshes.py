@@ -20,8 +20,10 @@ SUFFIXES: Final = (".obj", ".gltf", ".glb", ".ply", ".stl")
 """File formats that are read."""
 METRES: Final = {"m": 1.0, "cm": 1e-2, "mm": 1e-3, "in": 0.0254, "ft": 0.3048}
 """Length of each unit [m]."""
-TIMEOUT: Final = 120.0
-"""Seconds after which reading one file is given up."""
+TIMEOUT: Final = 30.0
+"""Seconds after which reading one file is given up, beside `TIMEOUT_PER_MB`."""
+TIMEOUT_PER_MB: Final = 5.0
+"""More of them for each million bytes of the file."""
 
 
 @dataclass(frozen=True)
@@ -63,7 +65,7 @@ class MeshFile(NamedTuple):
     notes: tuple[Note, ...]
 
 
-def read_mesh(path: Path, unit: str, up: str, *, textures: bool = False, timeout: float = TIMEOUT) -> MeshFile:
+def read_mesh(path: Path, unit: str, up: str, *, textures: bool = False, timeout: float | None = None) -> MeshFile:
     """Read a mesh file, mend it, and bring it to metres with z up.
 
     Coordinates of OBJ files are read in double precision; PLY, STL and glTF carry single precision, which is
@@ -78,8 +80,8 @@ def read_mesh(path: Path, unit: str, up: str, *, textures: bool = False, timeout
         Upward axis of the file, "z" or "y"; y up becomes z up by a quarter turn about x.
     textures : bool
         Read the pictures of materials for their mean colour.
-    timeout : float
-        Seconds after which reading is given up.
+    timeout : float, optional
+        Seconds after which reading is given up; by the size of the file if left out.
 
     Raises
     ------
@@ -91,6 +93,8 @@ def read_mesh(path: Path, unit: str, up: str, *, textures: bool = False, timeout
     if unit not in METRES or up not in ("y", "z"):
         raise ValueError(f"unit must be one of {', '.join(METRES)} and up y or z; got {unit!r} and {up!r}")
     _check_file(path)
+    if timeout is None:
+        timeout = TIMEOUT + TIMEOUT_PER_MB * 1e-6 * path.stat().st_size
     with tempfile.TemporaryDirectory(prefix="hradiosity-") as folder:
         result = Path(folder) / "mesh.npz"
         _run_worker(path, result, ["textures"] if textures else [], timeout)

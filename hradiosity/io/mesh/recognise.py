@@ -20,6 +20,8 @@ _SIGNATURES: Final = (
 )
 _STL_HEADER, _STL_FACE = 84, 50
 """Bytes of a binary STL file before its faces, and of each face."""
+_MOST_DIGITS: Final = 18
+"""Of a count: more digits than any file has bytes."""
 _PLY_SIZES: Final = {
     **dict.fromkeys(("char", "uchar", "int8", "uint8"), 1),
     **dict.fromkeys(("short", "ushort", "int16", "uint16"), 2),
@@ -91,7 +93,13 @@ def _check_ply(data: bytes) -> tuple[str, str] | None:
     if end is None:
         return "a PLY file whose header does not end", "the whole file, with a line 'end_header'"
     header, body = data[: end.start()].decode("latin-1").splitlines(), data[end.end() :]
-    numbers, size = _ply_least([line.split() for line in header])
+    lines = [line.split() for line in header]
+    for words in lines:
+        if words[:1] == ["element"] and (len(words) != 3 or not re.fullmatch("[0-9]+", words[2])):
+            return f"the header has a line {' '.join(words)[:60]!r}", "element, a name and a count"
+    numbers, size, most = _ply_least(lines)
+    if most > len(data):
+        return f"{len(data)} bytes can't hold {most} elements", "the whole file, with the right counts in its header"
     is_text = any(line.split()[:2] == ["format", "ascii"] for line in header)
     there, least, unit = (len(body.split()), numbers, "numbers") if is_text else (len(body), size, "bytes of data")
     if there < least:
@@ -99,12 +107,13 @@ def _check_ply(data: bytes) -> tuple[str, str] | None:
     return None
 
 
-def _ply_least(header: list[list[str]]) -> tuple[int, int]:
-    """Numbers of all elements, and the bytes that they take, at least: a face has three vertices."""
-    numbers = size = count = 0
+def _ply_least(header: list[list[str]]) -> tuple[int, int, int]:
+    """Numbers of all elements, and the bytes that they take, at least: a face has three vertices; the largest count."""
+    numbers = size = count = most = 0
     for words in header:
-        if words[:1] == ["element"] and len(words) == 3 and words[2].isdigit():
-            count = int(words[2])
+        if words[:1] == ["element"]:
+            count = int(words[2][:_MOST_DIGITS])
+            most = max(most, count)
         elif words[:2] == ["property", "list"] and len(words) == 5:
             corners = 3 if words[4] in ("vertex_index", "vertex_indices") else 0
             numbers += count * (1 + corners)
@@ -112,7 +121,7 @@ def _ply_least(header: list[list[str]]) -> tuple[int, int]:
         elif words[:1] == ["property"] and len(words) == 3:
             numbers += count
             size += count * _PLY_SIZES.get(words[1], 1)
-    return numbers, size
+    return numbers, size, most
 
 
 _CHECKS: Final[dict[str, Callable[[bytes], tuple[str, str] | None]]] = {

@@ -89,7 +89,9 @@ def parse_toml(path: Path) -> tuple[str, dict[str, Any]]:
         raise SceneError([Fault(str(path), "", f"can't be read: {error.strerror}", "a readable file")]) from None
     try:
         return text, tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
+    except RecursionError:
+        raise SceneError([Fault(str(path), "", "lists are nested too deeply", "see https://toml.io")]) from None
+    except ValueError as error:  # beside syntax, whole numbers of thousands of digits and dates that don't exist
         raise SceneError([Fault(str(path), "", f"not valid TOML: {error}", "see https://toml.io")]) from None
 
 
