@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.geometry import BACK, FRONT
-from hradiosity.space.check.finding import Finding, Severity, at
+from hradiosity.space.check.finding import Finding, Severity, at, numbers
 from hradiosity.space.check.subject import Subject
 from hradiosity.space.coplanar import Coplanar, coplanar_pairs
 
@@ -79,6 +79,12 @@ def coincident_findings(subject: Subject) -> Iterator[Finding]:
         yield _finding(subject, pairs, seen[same], _WORDS[int(case[same[0]])])
 
 
+def smaller_of(subject: Subject, pairs: Coplanar) -> NDArray[np.int64]:
+    """(m,) the smaller patch of each pair; of equal ones the second."""
+    first_is_smaller = subject.area[pairs.first] < (1.0 - 1e-9) * subject.area[pairs.second]
+    return np.where(first_is_smaller, pairs.first, pairs.second)
+
+
 def _compete(subject: Subject, pairs: Coplanar) -> NDArray[np.bool_]:
     """(m,) both patches show a lit side in one direction.
 
@@ -115,4 +121,5 @@ def _finding(subject: Subject, pairs: Coplanar, rows: NDArray[np.int64], words: 
     count = f" in {len(rows)} pairs of faces" if len(rows) > 1 else ""
     message = f"{both} {words.what}: {area:.3g} m²{count}, the largest at {at(place)}"
     size = float(np.sqrt(pairs.area[worst]))
-    return Finding(words.kind, words.severity, one, place, size, message, words.effect, words.fix)
+    patches = numbers(smaller_of(subject, pairs)[rows])
+    return Finding(words.kind, words.severity, one, place, size, message, words.effect, words.fix, patches)

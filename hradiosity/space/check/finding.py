@@ -31,6 +31,7 @@ class Finding:
     message : what was found, naming everything that takes part
     effect : what it does to the result
     fix : what to do about it; empty when there is nothing to do
+    patches : numbers of the patches that it is about, where there are any; of two in one place the smaller one
     """
 
     kind: str
@@ -41,6 +42,7 @@ class Finding:
     message: str
     effect: str
     fix: str
+    patches: tuple[int, ...] = ()
 
     def __str__(self) -> str:
         sentences = (self.message, self.effect, self.fix)
@@ -63,6 +65,11 @@ class Finding:
     def as_note(self) -> Note:
         """The same as a note beside those of the loader; for warnings and infos."""
         return Note("warning" if self.severity == "warning" else "info", self.object, str(self))
+
+
+def numbers(patches: NDArray[np.integer]) -> tuple[int, ...]:
+    """Patch numbers as a finding holds them: ascending, each once."""
+    return tuple(np.unique(patches).tolist())
 
 
 def nowhere() -> NDArray[np.float64]:

@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.geometry import BACK, FRONT, NONE
-from hradiosity.space.check.finding import Finding, at
+from hradiosity.space.check.finding import Finding, at, numbers
 from hradiosity.space.check.inside import enclosing_solids
 from hradiosity.space.check.probe import Views, cosine_directions, directions, look, most_frequent, points_on, trace
 from hradiosity.space.check.subject import Subject
@@ -111,11 +111,14 @@ def _area_lamps(subject: Subject) -> Iterator[Finding]:
         size = float(np.sqrt(area.sum()))
         share = float((area * lost[mine]).sum() / area.sum())
         in_solid = float((area * faces.inside[mine]).sum() / area.sum())
+        patches = numbers(faces.patch[mine])
         away = bool(((faces.escapes[mine] > 0.99) & (faces.room_behind[mine] > _MOST)).all())
         if in_solid > 0.99:
-            yield _in_solid(f"lamp '{name}'", name, place, size, _name(subject, int(faces.culprit[worst])))
+            solid = _name(subject, int(faces.culprit[worst]))
+            yield replace(_in_solid(f"lamp '{name}'", name, place, size, solid), patches=patches)
         elif share > _LOST and faces.culprit[worst] != NONE:
-            yield _partly_lost(name, place, size, share, _name(subject, int(faces.culprit[worst])))
+            into = _name(subject, int(faces.culprit[worst]))
+            yield replace(_partly_lost(name, place, size, share, into), patches=patches)
         elif away:
             yield Finding(
                 "lamp-turned-away",
@@ -126,6 +129,7 @@ def _area_lamps(subject: Subject) -> Iterator[Finding]:
                 f"lamp '{name}' at {at(place)} has its back to the room: all of its light leaves the scene",
                 "it lights nothing",
                 "turn it round: it shines where the normal of its face points",
+                patches,
             )
 
 

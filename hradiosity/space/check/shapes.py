@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.space.check.finding import Finding, at
+from hradiosity.space.check.finding import Finding, at, numbers
 from hradiosity.space.check.subject import Subject
 
 SLIVER = 1e3
@@ -34,13 +34,14 @@ def shape_findings(subject: Subject) -> Iterator[Finding]:
     yield from _ratio(subject, ~sliver)
 
 
-def _of_objects(subject: Subject, faulty: NDArray[np.bool_], badness: NDArray[np.float64]) -> Iterator[tuple[int, int]]:
-    """The worst faulty patch of each object that has one, and how many the object has."""
+def _of_objects(
+    subject: Subject, faulty: NDArray[np.bool_], badness: NDArray[np.float64]
+) -> Sequence[NDArray[np.int64]]:
+    """The faulty patches of each object that has any, the worst one first."""
     patch = np.flatnonzero(faulty)
     owner = subject.scene.patches.object[patch]
     order = np.lexsort((-badness[patch], owner))
-    for mine in np.split(patch[order], np.flatnonzero(np.diff(owner[order])) + 1) if len(patch) else []:
-        yield int(mine[0]), len(mine)
+    return np.split(patch[order], np.flatnonzero(np.diff(owner[order])) + 1) if len(patch) else []
 
 
 def _faces(count: int) -> str:
@@ -49,7 +50,8 @@ def _faces(count: int) -> str:
 
 def _slivers(subject: Subject, sliver: NDArray[np.bool_]) -> Iterator[Finding]:
     aspect = subject.longest_edge / np.maximum(subject.height, np.finfo(float).tiny)
-    for worst, count in _of_objects(subject, sliver, aspect):
+    for mine in _of_objects(subject, sliver, aspect):
+        worst, count = int(mine[0]), len(mine)
         place, name = subject.centroid[worst], subject.name(worst)
         yield Finding(
             "sliver",
@@ -61,12 +63,14 @@ def _slivers(subject: Subject, sliver: NDArray[np.bool_]) -> Iterator[Finding]:
             f"{subject.longest_edge[worst]:.3g} m × {subject.height[worst]:.2g} m at {at(place)}",
             "light on such faces is inaccurate, and rays may slip past them",
             "merge them with their neighbours before exporting",
+            numbers(mine),
         )
 
 
 def _tiny(subject: Subject, candidates: NDArray[np.bool_]) -> Iterator[Finding]:
     edge = np.sqrt(subject.area)
-    for worst, count in _of_objects(subject, candidates & (edge < TINY * subject.size), -edge):
+    for mine in _of_objects(subject, candidates & (edge < TINY * subject.size), -edge):
+        worst, count = int(mine[0]), len(mine)
         place, name = subject.centroid[worst], subject.name(worst)
         yield Finding(
             "tiny-face",
@@ -77,6 +81,7 @@ def _tiny(subject: Subject, candidates: NDArray[np.bool_]) -> Iterator[Finding]:
             f"{_faces(count)} of '{name}' tiny beside the scene: {1e3 * edge[worst]:.2g} mm at {at(place)}",
             "each costs as much time as a wall and changes next to nothing",
             "leave such detail out",
+            numbers(mine),
         )
 
 
@@ -102,13 +107,15 @@ def _far_parts(subject: Subject) -> Iterator[Finding]:
             f"'{name}' is {nearest[number]:.3g} m from the rest of the scene, which has a radius of {radius:.3g} m",
             f"it enlarges the scene, so that rays resolve no more than {1e3 * subject.offset:.2g} mm",
             "delete it or bring it nearer: it may be a leftover of the drawing",
+            numbers(own),
         )
 
 
 def _unresolved(subject: Subject, candidates: NDArray[np.bool_]) -> Iterator[Finding]:
     local = np.abs(subject.corners - subject.bvh.local_origin).max(axis=(1, 2))
     lost = _STEP * local / np.maximum(subject.height, np.finfo(float).tiny)
-    for worst, count in _of_objects(subject, candidates & (lost > UNRESOLVED), lost):
+    for mine in _of_objects(subject, candidates & (lost > UNRESOLVED), lost):
+        worst, count = int(mine[0]), len(mine)
         place, name = subject.centroid[worst], subject.name(worst)
         yield Finding(
             "unresolved-detail",
@@ -121,6 +128,7 @@ def _unresolved(subject: Subject, candidates: NDArray[np.bool_]) -> Iterator[Fin
             f"{1e3 * _STEP * local[worst]:.1g} mm",
             f"their shape is off by up to {100 * min(lost[worst], 1.0):.1g} %",
             "leave out what is far away, or such detail",
+            numbers(mine),
         )
 
 
@@ -142,4 +150,5 @@ def _ratio(subject: Subject, candidates: NDArray[np.bool_]) -> Iterator[Finding]
         f"{RATIO:g}",
         "such detail is lost in single precision",
         "is a unit wrong? leave one of the two out",
+        (worst,),
     )

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hradiosity.model.geometry import BACK, FRONT, NONE
 from hradiosity.model.solids import find_solids
 from hradiosity.model.welding import weld
-from hradiosity.space.check.finding import Finding, at
+from hradiosity.space.check.finding import Finding, at, numbers
 from hradiosity.space.check.subject import Subject
 
 _LEAST_FACES = 4
@@ -46,6 +46,7 @@ def _inside_out(subject: Subject, inward: NDArray[np.int32]) -> Iterator[Finding
             f"'{name}' is closed but its {len(mine)} faces point inwards, and light reaches it from outside only",
             "it isn't taken for a solid: what it covers of a floor stays lit, and one-sided materials are black",
             "turn its faces round",
+            numbers(mine),
         )
 
 
@@ -72,6 +73,7 @@ def _with_holes(subject: Subject, loose: NDArray[np.bool_]) -> Iterator[Finding]
             f"{at(place[number])}",
             "it isn't taken for a solid: light may get inside, and what it covers stays lit",
             "close it if it is meant to be a solid body",
+            numbers(patch[owner == number]),
         )
 
 
@@ -127,4 +129,5 @@ def _black_backs(subject: Subject) -> Iterator[Finding]:
             "is one-sided",
             "the back is black and absorbs that light",
             "turn the faces round, or make the material two-sided",
+            numbers(mine),
         )
