@@ -20,6 +20,9 @@ from hradiosity.transport.glow import weak_emitters
 
 LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
 """Bounds of a row element's edge, as shares of the mean free path of light."""
+
+MOST_BY_PATH = 64_000
+"""Elements that the free path may ask for: between two plates as wide as a field it is short."""
 MOST_TIMES, ANYWAY = 16, 2000
 """Times the elements asked for, and elements in any case, up to which a short mean free path makes more: between plates
 that nearly touch it would make millions."""
@@ -149,8 +152,10 @@ def _element_size(area: float, options: Options, free_path: float) -> tuple[floa
     finest = float(np.sqrt(area / max(MOST_TIMES * options.elements, ANYWAY)))
     if finest > LARGEST_SHARE * free_path:
         return finest, f"no more though they are larger than {100 * LARGEST_SHARE:g} % of the mean free path"
-    if size > LARGEST_SHARE * free_path:
-        return LARGEST_SHARE * free_path, f"cells no larger than {100 * LARGEST_SHARE:g} % of the mean free path"
+    largest, smallest = LARGEST_SHARE * free_path, float(np.sqrt(area / MOST_BY_PATH))
+    if size > max(largest, smallest):
+        bound = f"cells no larger than {100 * LARGEST_SHARE:g} % of the mean free path"
+        return max(largest, smallest), bound + (f", but {MOST_BY_PATH} at most" if smallest > largest else "")
     return size, ""
 
 
