@@ -37,6 +37,21 @@ def perpendicular_rectangles(common: float, depth: float, height: float) -> floa
     return float(total / (np.pi * w))
 
 
+def hinged_squares(angle: float) -> float:
+    """F between unit squares with a common edge and an angle [rad] between them, by one sum of Gauss points.
+
+    F = sin² φ / π ∫∫ s t arctan(1/ρ) / ρ³ ds dt over the distances from the edge, ρ² = s² + t² − 2 s t cos φ; in polar
+    coordinates the radial integral is closed. Nothing cancels next to 180°; below some degrees the sum is too coarse.
+    """
+    node, weight = gauss(64)
+    polar = 0.25 * np.pi * node
+    product = np.cos(polar) * np.sin(polar)
+    k = np.sqrt(1.0 - 2.0 * product * np.cos(angle))
+    reach = 1.0 / np.cos(polar)
+    radial = reach * np.arctan2(1.0, k * reach) + np.log1p((k * reach) ** 2) / (2.0 * k)
+    return float(0.5 * np.sin(angle) ** 2 * np.einsum("p,p->", weight, product / k**3 * radial))
+
+
 def coaxial_disks(radius: float, other_radius: float, distance: float) -> float:
     """F from a disk to a parallel one on the same axis (C-41)."""
     a, b = radius / distance, other_radius / distance

@@ -3,9 +3,18 @@
 import numpy as np
 import pytest
 from polygon_shapes import DISKS, PAIRS, SQUARE, box_quads, catalogue_polygons, facing_square, hinged_square, ngon
+from scipy.spatial.transform import Rotation
 
 from hradiosity import form_factor, form_factor_matrix
-from hradiosity.reference.form_factors import coaxial_disks, parallel_rectangles, perpendicular_rectangles
+from hradiosity.reference.form_factors import (
+    coaxial_disks,
+    hinged_squares,
+    parallel_rectangles,
+    perpendicular_rectangles,
+)
+from hradiosity.transport.form_factor.contour import refined_exchange
+from hradiosity.transport.form_factor.pairs import Estimate, Pairs
+from hradiosity.transport.form_factor.polygons import polygon_set
 
 CATEGORIES = sorted({entry["category"] for entry in PAIRS} - {"zero"})
 NEAR_SINGULAR = {"I16", "I17", "N05", "R03", "S01", "S03", "S05", "A01", "A03"}
@@ -110,26 +119,76 @@ def test_disks_as_polygons_converge_with_the_square_of_their_corners(device):
         assert error[-1] < 1e-6 or (error[:-1] / error[1:] > 3.5).all()
 
 
-@pytest.mark.parametrize("degrees", [0.1, 1, 5, 15, 30, 60, 90, 120, 150, 165, 175, 178, 179, 179.9])
+@pytest.mark.parametrize("degrees", [0.1, 1, 5, 15, 30, 60, 90, 120, 150, 165, 175, 178, 179])
 def test_hinge(device, degrees):
-    """Between 5 and 178 degrees the catalogue has values; outside, the laws of small angles hold to second order."""
     found = form_factor(SQUARE, hinged_square(degrees), method="contour", device=device)
     assert found.error <= 1e-6 * found.value
-    if degrees > 178.5:
-        limit = form_factor(SQUARE, hinged_square(178.0), method="contour", device=device).value / np.radians(2.0) ** 2
-        assert found.value == pytest.approx(limit * np.radians(180.0 - degrees) ** 2, rel=1e-3)
+    if degrees >= 15:
+        assert found.value == pytest.approx(hinged_squares(np.radians(degrees)), rel=1e-9)
     if degrees == 90:
         assert found.value == pytest.approx(perpendicular_rectangles(1, 1, 1), rel=1e-13)
 
 
+@pytest.mark.parametrize("turned", [False, True])
+@pytest.mark.parametrize("method", ["contour", "auto"])
+def test_hinge_that_is_nearly_flat(device, method, turned):
+    """Where the terms of the plain contour integral are up to 1e13 times their sum."""
+    degrees = np.array([179.0, 179.9, 179.99, 179.999, 179.9999])
+    axes = Rotation.from_euler("xyz", [0.3, 0.7, 1.1] if turned else [0.0, 0.0, 0.0]).as_matrix()
+    found = form_factor(SQUARE @ axes, [hinged_square(t) @ axes for t in degrees], method=method, device=device)
+    exact = np.array([hinged_squares(t) for t in np.radians(degrees)])
+    np.testing.assert_allclose(found.value, exact, rtol=1e-6)
+    assert (np.abs(found.value - exact) <= found.error).all()
+    assert (found.error <= 1e-4 * exact).all()
+
+
+def random_hinges(rng, n):
+    """Quadrilaterals either side of the y axis with 1 to 15 degrees missing to one plane, turned at random: with an
+    edge in common, a part of it, a corner, or a gap.
+    """
+    pairs = []
+    for i in range(n):
+        s, t = (np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * [10.0 ** rng.uniform(-2, 0.5), 1.0] for _ in range(2))
+        t[:, 1] = [t[:, 1], rng.uniform(-0.5, 1.0) + 0.5 * t[:, 1], t[:, 1] + 1.0, t[:, 1]][i % 4]
+        gap = 10.0 ** rng.uniform(-4, -1) if i % 4 == 3 else 0.0
+        t[2, 1] += rng.uniform(0.0, 0.5)
+        angle = np.pi - np.radians(rng.uniform(1.0, 15.0))
+        flat = np.column_stack([s[:, 0] + gap, s[:, 1], np.zeros(4)])
+        bent = np.column_stack([(t[:, 0] + gap) * np.cos(angle), t[:, 1], (t[:, 0] + gap) * np.sin(angle)])
+        axes = Rotation.random(random_state=rng).as_matrix()
+        pairs.append((flat @ axes, bent[::-1] @ axes))
+    return pairs
+
+
+def test_flat_contour_agrees_with_the_plain_one(device):
+    """Where both have digits to spare, each within the sum of both errors."""
+    corners = np.array(random_hinges(np.random.default_rng(5), 80)).reshape(-1, 4, 3)
+    polygons = polygon_set(corners, np.full(len(corners), 4), [""] * len(corners))
+    number = np.arange(len(corners), dtype=np.uint32)
+    pairs = Pairs(polygons, number[::2], number[1::2], device)
+    plain, flat = (
+        Estimate(*_total(*refined_exchange(pairs, f"{kind}_exchange", 1e-9))) for kind in ("contour", "flat")
+    )
+    assert (plain.exchange > 0.0).all()
+    assert (np.abs(plain.exchange - flat.exchange) <= plain.error + flat.error).all()
+    assert np.median(flat.error / flat.exchange) < 1e-9
+
+
+def _total(estimate, rounding):
+    return estimate.exchange, estimate.error + rounding
+
+
 def test_hinge_closes_and_opens_without_a_jump(device):
     angle = np.concatenate(
-        [np.geomspace(0.01, 10.0, 20), np.linspace(12.0, 170.0, 40), 180.0 - np.geomspace(9.0, 0.1, 20)]
+        [np.geomspace(0.01, 10.0, 20), np.linspace(12.0, 170.0, 40), 180.0 - np.geomspace(9.0, 1e-7, 50)]
     )
     found = form_factor(SQUARE, [hinged_square(t) for t in angle], device=device).value
     assert (np.diff(found) < 0.0).all()
-    assert found[0] > 0.9998 and 0.0 < found[-1] < 1e-6
-    assert form_factor(SQUARE, hinged_square(180.0), device=device).value == 0.0
+    assert found[0] > 0.9998 and 0.0 < found[-1] < 1e-18
+    flat = np.array([[0, 0, 0], [0, 1, 0], [-1, 1, 0], [-1, 0, 0]], float)
+    for method in ("auto", "contour"):
+        assert form_factor(SQUARE, flat, method=method, device=device).value == 0.0
+        assert form_factor(SQUARE, hinged_square(180.0), method=method, device=device).value == 0.0
 
 
 def test_closing_gap(device):
