@@ -22,13 +22,15 @@ _TITLES = {
 }
 
 
-def check(scene: Path, /, *, device: str | None = None, json: bool = False) -> int:
+def check(scene: Path, /, *, picture: Path | None = None, device: str | None = None, json: bool = False) -> int:
     """Look for what is wrong or doubtful in a scene; exit status 2 when a fault stops it from being rendered.
 
     Parameters
     ----------
     scene
         Folder with scene.toml, or the file.
+    picture
+        Draw the findings into this PNG file: an overview with numbers, and a close-up of each.
     device
         Number from `hradiosity devices`, or a part of the device's name.
     json
@@ -37,6 +39,7 @@ def check(scene: Path, /, *, device: str | None = None, json: bool = False) -> i
     from hradiosity.device import Device
     from hradiosity.io.run_record import to_json
     from hradiosity.io.scene_toml import load_scene
+    from hradiosity.show.findings_sheet import write_findings_picture
     from hradiosity.space.bvh_build import build_bvh
     from hradiosity.space.check import check_scene
     from hradiosity.space.contact_cuts import cut_at_contacts
@@ -50,7 +53,10 @@ def check(scene: Path, /, *, device: str | None = None, json: bool = False) -> i
         raise
     opened, cut = Device(device), cut_at_contacts(loaded)
     lit = find_lit_sides(cut.scene, build_bvh(opened, cut.scene.patches)).of_parents(cut.parent)
-    findings = check_scene(loaded, build_bvh(opened, loaded.patches), lit)
+    bvh = build_bvh(opened, loaded.patches)
+    findings = check_scene(loaded, bvh, lit)
+    if picture is not None:
+        write_findings_picture(picture, loaded, bvh, lit, findings)
     if json:
         notes = [{"kind": note.kind, "place": note.place, "message": note.message} for note in loaded.notes]
         print(to_json({"faults": [], "findings": [finding.as_json() for finding in findings], "notes": notes}))
