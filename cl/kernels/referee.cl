@@ -8,6 +8,8 @@
 
 /* Paths up to this bounce end only where nothing is reflected. */
 #define HR_ROULETTE_FROM 2u
+/* Nor before they have lost so much: in bright rooms, how often a path is reflected would be most of the noise. */
+#define HR_ROULETTE_BELOW 0.25f
 
 /* Light that comes straight from each emitter: sums over samples first_sample ... first_sample + n_samples - 1. */
 __kernel void referee_direct(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
@@ -107,7 +109,7 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                 counts.y += most;
                 break;
             }
-            if (depth >= HR_ROULETTE_FROM && most < before) {
+            if (depth >= HR_ROULETTE_FROM && most < HR_ROULETTE_BELOW && most < before) {
                 /* The weight stays where it was; going up to 1 again would make few paths carry much. */
                 const float survival = most / before;
                 if (hr_path_number(k, depth, 5, path_seed) >= survival)

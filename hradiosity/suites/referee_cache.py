@@ -24,7 +24,21 @@ def referee_readings(
     cache: Path | None = None,
     progress: Callable[[RefereeState], None] | None = None,
 ) -> dict[str, Readings]:
-    """Unbiased readings by sensor name, from the cache if it holds as many paths of the same scene and seed.
+    """Unbiased readings by sensor name; parameters as those of `referee_samples`."""
+    samples = referee_samples(scene, device, paths, seed=seed, cache=cache, progress=progress)
+    return scramble_moments(scene, samples).readings()
+
+
+def referee_samples(
+    scene: Scene,
+    device: Device,
+    paths: int,
+    *,
+    seed: int = 0,
+    cache: Path | None = None,
+    progress: Callable[[RefereeState], None] | None = None,
+) -> RefereeSamples:
+    """Unbiased spectra of all readings, from the cache if it holds as many paths of the same scene and seed.
 
     Parameters
     ----------
@@ -49,7 +63,7 @@ def referee_readings(
             if cache is not None and traced:
                 save_samples(cache, digest, seed, referee.samples())
         kept = referee.samples()
-    return scramble_moments(scene, kept).readings()
+    return kept
 
 
 def scene_digest(scene: Scene) -> str:

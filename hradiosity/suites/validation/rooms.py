@@ -41,7 +41,7 @@ def cases() -> list[Case]:
 def _job(known: Mapping[str, Any]) -> Job:
     """The scene of a room of the data."""
     size, source = tuple(known["dims"]), known["source"]
-    points = [(_place(point, size), INWARD[point["face"]]) for point in known["points"]]
+    points = [(place(point, size), INWARD[point["face"]]) for point in known["points"]]
     if "isotropic" in source:
         return _cube(known["id"], known["rho"], points, (1.0, 1.5, 3.0) if "(1,1.5,3)" in source else CENTRE)
     exitance = 1000.0
@@ -146,7 +146,7 @@ def _indirect_means(jobs: list[Job], bench: Bench) -> list[Measured]:
     return [Measured(mean_everywhere(found) - mean_everywhere(found, direct=True)) for found in solutions]
 
 
-def _place(point: Mapping[str, Any], size: tuple[float, ...]) -> tuple[float, ...]:
+def place(point: Mapping[str, Any], size: tuple[float, ...]) -> tuple[float, ...]:
     """World position of a point that is given by its face and the two other coordinates."""
     axis = {"x": 0, "y": 1, "f": 2, "c": 2}[point["face"][0]]
     place = [float(point["a"]), float(point["b"])]
