@@ -14,7 +14,7 @@ from hradiosity.model.spectrum import Bands, Spectrum, band_integral
 MOST_DAYLIGHT: Final = 25_000.0
 """Daylight is defined up to this temperature [K]; CIE 15:2018."""
 _WIDEST: Final = 10.0
-"""Widest piece of a band [nm] in which black bodies are integrated by two Gauss points; good to 1e-6 at 1000 K."""
+"""Widest piece of a band [nm] in which black bodies are integrated by two Gauss points; good to 2e-5 at 1000 K."""
 _GAUSS: Final = 0.5 / np.sqrt(3.0)
 
 

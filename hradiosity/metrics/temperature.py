@@ -39,7 +39,7 @@ def colour_temperature(tristimulus: NDArray[np.float64]) -> ColourTemperature:
     """Temperature of the black body whose colour is nearest in CIE 1960 u, v.
 
     This is the minimum itself that the tables with triangles and parabolas of Ohno 2014 (Practical use and calculation
-    of CCT and Duv, Leukos 10, 47) approach: within 0.1 K of them below 10 000 K.
+    of CCT and Duv, Leukos 10, 47) approach: within 0.002 % of them above 2000 K, 0.02 % below.
 
     Parameters
     ----------
