@@ -153,7 +153,7 @@ def test_colour_science_agrees_on_indices():
             expected = fidelity_of(table, additional_data=True)
         assert rendering.ra[row] == pytest.approx(general.Q_a, abs=0.3)
         special = np.array([general.Q_as[k].Q_a for k in range(1, 15)])  # by Robertson's temperatures
-        assert (np.abs(rendering.special[row] - special) < 0.15 + 0.01 * (100 - special)).all()
+        assert (np.abs(rendering.special[row] - special) < 0.5 + 0.01 * (100 - special)).all()
         assert fidelity.rf[row] == pytest.approx(expected.R_f, abs=0.2)
         assert fidelity.rg[row] == pytest.approx(expected.R_g, abs=0.2)
         local = (fidelity.local_fidelity[row], fidelity.chroma_shift[row], 100 * fidelity.hue_shift[row])
