@@ -10,6 +10,7 @@ from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.radiosity.classic_surfaces import ClassicLight, ClassicSurfaces
+from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.solver import KEPT_BYTES, RadiositySolver
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.readings.moments import ReadingMoments
@@ -71,7 +72,7 @@ class ClassicSolver(RadiositySolver):
         """One independent estimate of everything, added to the running moments."""
         if not isinstance(surfaces, ClassicSurfaces):
             raise TypeError(f"the classic mode needs ClassicSurfaces, not {type(surfaces).__name__}")
-        seed = int(np.random.SeedSequence((self.options.seed, self.replicates)).generate_state(1)[0])
+        seed = replicate_seed(self.options.seed, self.replicates)
         light = surfaces.solve(seed)
         with self.record.timed("readings"):
             self._gather(self._readings, light)

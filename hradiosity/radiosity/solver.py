@@ -16,6 +16,7 @@ from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import make_plan
 from hradiosity.radiosity.checkpoint import pack_record, part_of, unpack_record
+from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
 from hradiosity.readings.effort import Effort, plan_effort
@@ -227,7 +228,7 @@ class RadiositySolver:
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
-        seed = int(np.random.SeedSequence((self.options.seed, self.replicates)).generate_state(1)[0])
+        seed = replicate_seed(self.options.seed, self.replicates)
         light = surfaces.replicate(seed)
         with self.record.timed("readings"):
             if self._effort is None:
