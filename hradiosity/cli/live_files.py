@@ -9,9 +9,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from hradiosity.cli.interrupts import held_back
+from hradiosity.device import Device
 from hradiosity.errors import OutputError
 from hradiosity.io.checkpoint import save_checkpoint
+from hradiosity.model.scene import Scene
 from hradiosity.radiosity import RadiositySolver
+from hradiosity.show.first_picture import write_first_picture
 from hradiosity.show.preview import Preview
 
 LEAST_PAUSE = 1.0
@@ -61,7 +64,7 @@ class LiveFiles:
 
     def __init__(self, folder: Path, solver: RadiositySolver, digest: str, *, preview: bool) -> None:
         self._folder, self._solver, self._digest = folder, solver, digest
-        self._picture = folder / "pictures" / "preview.png"
+        self._picture = _picture_in(folder)
         self._preview = self._open_preview() if preview and len(solver.scene.patches) else None
         self._checkpoint_pace, self._preview_pace = Pace(), Pace()
         self._checkpoint_pace.wait(LEAST_PAUSE)
@@ -74,11 +77,9 @@ class LiveFiles:
         KeyboardInterrupt
             When an interrupt came while it wrote.
         """
-        if self._preview is not None:
-            self._preview_pace.run(self._draw)
-            if self._solver.replicates == 0:
-                self._preview_pace.wait(0.0)  # the paints; the first light comes soon
         if self._solver.replicates:
+            if self._preview is not None:
+                self._preview_pace.run(self._draw)
             self._checkpoint_pace.run(lambda: save_checkpoint(self._folder, self._solver.checkpoint(), self._digest))
 
     def remove_preview(self) -> None:
@@ -87,9 +88,23 @@ class LiveFiles:
 
     def _open_preview(self) -> Preview:
         on_device = self._solver.on_device
-        self._picture.parent.mkdir(exist_ok=True)
         return Preview(self._solver.scene, on_device.device, bvh=on_device.bvh)
 
     def _draw(self) -> None:
         if self._preview is not None:
+            self._picture.parent.mkdir(exist_ok=True)
             self._preview.write(self._solver, self._picture)
+
+
+def draw_first_picture(scene: Scene, device: Device, folder: Path) -> None:
+    """Show the scene in ``pictures/preview.png`` before anything is solved; a full disk does not stop the run."""
+    if not len(scene.patches):
+        return
+    picture = _picture_in(folder)
+    with suppress(OutputError, OSError):
+        picture.parent.mkdir(exist_ok=True)
+        write_first_picture(scene, device, picture)
+
+
+def _picture_in(folder: Path) -> Path:
+    return folder / "pictures" / "preview.png"

@@ -13,7 +13,7 @@ from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.display import Display, Expectation, open_display
 from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
-from hradiosity.cli.live_files import LiveFiles
+from hradiosity.cli.live_files import LiveFiles, draw_first_picture
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
 from hradiosity.cli.text import account_line, note_lines, sensor_lines, time_lines
 from hradiosity.device import Device
@@ -98,6 +98,10 @@ class _Session:
         """All of it."""
         with self._display as display:
             self._announce_builds()
+            if self.request.pictures and not self.request.resume:
+                start = time.perf_counter()
+                draw_first_picture(self.scene, self._device, self.partial)
+                self.seconds["first picture"] = time.perf_counter() - start
             plan = self._solver.plan
             display.lines(note_lines(self._solver.notes))
             expected = accuracy_lines(self.scene, self.request.options, self._device.description)
@@ -222,7 +226,7 @@ class _Session:
 
     def _stage_seconds(self, solution: Solution) -> dict[str, float]:
         """Of the program's stages and the solver's, in the order in which they ran."""
-        first = {"reading the scene": self.seconds["reading the scene"]}
+        first = {name: self.seconds[name] for name in ("reading the scene", "first picture") if name in self.seconds}
         return {**first, **solution.record["stage_seconds"], **self.seconds}
 
     def _outcome(self, interrupted: bool) -> tuple[str, int]:

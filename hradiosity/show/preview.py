@@ -15,13 +15,13 @@ from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.show.camera import ABOVE, NOTHING, ViewHits, trace_view
 from hradiosity.show.exposure import to_bytes, white_luminance
 from hradiosity.show.files import png_bytes, write_bytes
-from hradiosity.show.light import emitted_xyz, paint_colours, reflected_channels
+from hradiosity.show.first_picture import first_view, preview_texts
+from hradiosity.show.light import emitted_xyz, reflected_channels
 from hradiosity.solution import Solution
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.cell_lookup import locate_cells
 from hradiosity.space.hierarchy import Elements
-from hradiosity.space.viewpoints import automatic_view
 
 _EVERY: Final = 4
 """Of so many pixels one takes part in the choice of the exposure."""
@@ -30,9 +30,9 @@ _EVERY: Final = 4
 class Preview:
     """Draws what a running solver knows, again and again from one view.
 
-    ``Preview(scene, device).write(solver, folder / "preview.png")`` after each state; before the first replicate it
-    shows the colours of the paints. The exposure, ``white_luminance`` [cd m⁻²], is chosen with the first light and then
-    stays.
+    ``Preview(scene, device).write(solver, folder / "preview.png")`` after each replicate. The exposure,
+    ``white_luminance`` [cd m⁻²], is chosen with the first light and then stays. What is shown before there is any
+    solution is `hradiosity.show.first_picture`.
 
     Parameters
     ----------
@@ -47,12 +47,9 @@ class Preview:
 
     def __init__(self, scene: Scene, device: Device, view: View | None = None, bvh: Bvh | None = None) -> None:
         bvh = build_bvh(device, scene.patches) if bvh is None else bvh
-        if view is None:
-            everything = np.ones((len(scene.patches), 2), np.bool_)
-            view = scene.views[0] if scene.views else automatic_view(scene, bvh, everything)
-        self.view = view
+        self.view = first_view(scene, bvh) if view is None else view
         self._scene = scene
-        self._hits: ViewHits = trace_view(bvh, view, 1)
+        self._hits: ViewHits = trace_view(bvh, self.view, 1)
         self._emitted = emitted_xyz(scene)
         self._elements: Elements | None = None
         self._row = self._side = self._number = np.zeros(0, np.int64)
@@ -65,27 +62,17 @@ class Preview:
         ------
         OutputError
             When the file can't be written.
+        RuntimeError
+            Before the first replicate.
         """
-        solution = solver.solution() if solver.replicates else None
-        write_bytes(path, png_bytes(self.pixels(solution), {"Title": f"{self._scene.name}: {self.view.name}, preview"}))
+        write_bytes(path, png_bytes(self.pixels(solver.solution()), preview_texts(self._scene, self.view)))
 
-    def pixels(self, solution: Solution | None) -> NDArray[np.uint8]:
-        """(height, width, 3) sRGB of a solution, or of the paints without one."""
-        if solution is None:
-            colours, number = self._paints()
-        else:
-            if solution.elements is not self._elements:
-                self._locate(solution.elements)
-            colours, number = self._light(solution), self._number
-        return to_bytes(encode_srgb(colours))[number].reshape(self.view.height, self.view.width, 3)
-
-    def _paints(self) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Linear sRGB of the paints under daylight, the last one black, and which of them each pixel shows."""
-        scene, side = self._scene, np.maximum(self._hits.side, 0)
-        two_sided = np.array([m.two_sided for m in scene.materials], np.bool_)
-        material = scene.patches.material[side // 2]
-        seen = (self._hits.side >= 0) & ((side % 2 == 0) | two_sided[material])
-        return xyz_to_linear_srgb(paint_colours(scene), 1.0), np.where(seen, material, len(scene.materials))
+    def pixels(self, solution: Solution) -> NDArray[np.uint8]:
+        """(height, width, 3) sRGB of a solution."""
+        if solution.elements is not self._elements:
+            self._locate(solution.elements)
+        colours = to_bytes(encode_srgb(self._light(solution)))
+        return colours[self._number].reshape(self.view.height, self.view.width, 3)
 
     def _light(self, solution: Solution) -> NDArray[np.float64]:
         """Linear sRGB of all that is seen."""

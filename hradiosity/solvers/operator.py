@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
-from scipy.sparse.csgraph import connected_components
 
 from hradiosity.device import Device
 from hradiosity.device.device import DeviceArray
 from hradiosity.solvers.result import Columns
 from hradiosity.transport.exchange import Exchange
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 
 class ExchangeOperator:
@@ -35,6 +36,9 @@ class ExchangeOperator:
     """
 
     def __init__(self, device: Device, exchange: Exchange, dtype: type[np.floating[Any]] = np.float32) -> None:
+        from scipy.sparse import csr_array
+        from scipy.sparse.csgraph import connected_components
+
         area = exchange.element_area
         self.dtype = dtype
         self.root_area: Columns = np.sqrt(area).astype(dtype)
@@ -74,6 +78,8 @@ class ExchangeOperator:
 
     def rows(self, numbers: NDArray[np.int64]) -> csr_array:
         """Some rows of S, (k, n_rows) float64."""
+        from scipy.sparse import csr_array
+
         return csr_array(self._host[numbers])
 
     def dense(self) -> NDArray[np.float64]:

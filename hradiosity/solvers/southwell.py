@@ -7,16 +7,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import TypeAlias
+from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 EQUAL_ENERGY_FLOOR = 1e-3
 """Weight that every band has at least, as a share of the mean luminous weight, so that no band starves."""
 
-RowProvider: TypeAlias = Callable[[NDArray[np.int64]], csr_array]
+RowProvider: TypeAlias = Callable[[NDArray[np.int64]], "csr_array"]
 """Exchange areas A_i F_ij [m²] of some patches i with all patches j: (k,) numbers → (k, n_patches) CSR."""
 
 
@@ -73,6 +75,8 @@ def shoot(
     ShootingState
         Before the first shot, and after each batch; its arrays do not change when the run goes on.
     """
+    from scipy.sparse import csr_array
+
     area = np.where(system.area > 0.0, system.area, 0.0)[:, None]
     inverse_area = np.divide(1.0, area, out=np.zeros_like(area), where=area > 0.0)
     irradiance = system.direct.astype(np.float64)

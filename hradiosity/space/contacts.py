@@ -8,7 +8,6 @@ from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial import cKDTree
 
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.welding import weld
@@ -108,6 +107,8 @@ def _near_pairs(
     geometry: _Geometry, bases: NDArray[np.bool_], shortest: NDArray[np.float64], gap: float
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.int64]]]:
     """Bases, and other patches whose balls overlap with theirs and reach their planes, in parts of bounded size."""
+    from scipy.spatial import cKDTree
+
     middle, radius = geometry.middle, geometry.radius
     level = np.ceil(np.log2(np.maximum(radius, np.finfo(float).tiny))).astype(np.int64)
     others = radius >= 0.5 * shortest

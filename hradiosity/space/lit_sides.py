@@ -6,11 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_array
-from scipy.sparse.csgraph import connected_components
 
 from hradiosity.model.geometry import BACK, NONE, Patches
 from hradiosity.model.scene import Scene
+from hradiosity.model.welding import connected
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.visibility import trace_any, trace_closest
 
@@ -89,8 +88,8 @@ def find_lit_sides(scene: Scene, bvh: Bvh, *, seed: int = 0, known_links: NDArra
     pairs = np.column_stack([pilot.origin[sees], pilot.target[sees]])
     if known_links is not None:
         pairs = np.concatenate([pairs, known_links])
-    links = coo_array((np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])), shape=(n_sides, n_sides))
-    n_sets, label = connected_components(links, directed=False)
+    label = connected(pairs[:, 0], pairs[:, 1], n_sides)
+    n_sets = int(label.max(initial=-1)) + 1
     bright = np.zeros(n_sets, bool)
     bright[label[_emitting_sides(scene)]] = True
     bright[label[_sides_seen_by_points(scene, bvh, rng)]] = True

@@ -4,14 +4,17 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array, diags_array
 
 from hradiosity.device.device import DeviceArray
 from hradiosity.space.hierarchy import COVERED, MISS, SKY, UNLIT, Elements
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 CLOSURE_TOLERANCE = 1e-4
 CLOSURE_STEPS = 60
@@ -128,6 +131,8 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
     direction counts by the rays it had per area. Averaging A_i F_ij and A_j F_ji instead would let one hit from a
     large element outweigh all that a small one found itself.
     """
+    from scipy.sparse import csr_array
+
     n_rows, n_samples = hits.row.shape
     found = csr_array(
         (
@@ -175,6 +180,8 @@ def closed_exchange(
     reciprocity_rms, lost_share : float
         As in `Defects`.
     """
+    from scipy.sparse import csr_array, diags_array
+
     n_rows = len(element_area)
     receiver = np.repeat(np.arange(n_rows), np.diff(pooled.indptr))
     before = row_sum_defects(np.asarray(pooled.sum(axis=1)).ravel(), outside, element_area)
@@ -258,6 +265,8 @@ def row_sum_defects(
 
 def _reciprocity_defect(found: csr_array, back: csr_array, rays_per_area: NDArray[np.float64]) -> float:
     """Rms relative difference of the two directions' estimates, over pairs with five hits or more each way."""
+    from scipy.sparse import csr_array
+
     often, often_back = found.copy(), back.copy()
     often.data *= often.data > 4
     often_back.data *= often_back.data > 4

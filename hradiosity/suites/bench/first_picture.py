@@ -1,4 +1,4 @@
-"""Draws the two first previews of a run and prints when: ``python -m hradiosity.suites.bench.first_picture``."""
+"""Draws the first previews of a run and prints when: ``python -m hradiosity.suites.bench.first_picture``."""
 
 from __future__ import annotations
 
@@ -11,6 +11,7 @@ from hradiosity.device import Device
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.options import Options
 from hradiosity.radiosity import make_solver
+from hradiosity.show.first_picture import write_first_picture
 from hradiosity.show.preview import Preview
 
 
@@ -18,14 +19,14 @@ def main() -> None:
     """Take a scene file and the picture to write; print seconds since the epoch as JSON."""
     scene_file, picture = map(Path, sys.argv[1:])
     scene = load_scene(scene_file)
-    solver = make_solver(scene, Options(pictures=True), Device())
-    moments: dict[str, float] = {}
-    preview: Preview | None = None
+    device = Device()
+    write_first_picture(scene, device, picture)
+    moments = {"guessed": time.time()}
+    solver = make_solver(scene, Options(pictures=True), device)
     for _ in solver.states():
-        preview = preview or Preview(solver.scene, solver.on_device.device, bvh=solver.on_device.bvh)
-        preview.write(solver, picture)
-        moments.setdefault("light" if solver.replicates else "paints", time.time())
         if solver.replicates:
+            Preview(solver.scene, device, bvh=solver.on_device.bvh).write(solver, picture)
+            moments["computed"] = time.time()
             break
     print(json.dumps(moments))
 
