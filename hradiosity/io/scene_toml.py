@@ -43,7 +43,7 @@ def load_scene(path: str | Path, *, bands: Bands | None = None) -> Scene:
     SceneError
         With every fault that was found, each with its line.
     """
-    file = _scene_file(Path(path))
+    file = scene_file(Path(path))
     text, raw = parse_toml(file)
     report = Report(file, text)
     tables = validate(raw, report)
@@ -55,8 +55,8 @@ def load_scene(path: str | Path, *, bands: Bands | None = None) -> Scene:
     return replace(scene, notes=tuple(report.notes))
 
 
-def _scene_file(path: Path) -> Path:
-    """The scene file itself."""
+def scene_file(path: Path) -> Path:
+    """The scene file itself, of a folder or a file; raises `SceneError` when there is none."""
     if path.is_dir():
         file = path / SCENE_FILE
         if not file.is_file():

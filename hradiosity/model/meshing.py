@@ -80,6 +80,11 @@ def merge_triangles(vertices: NDArray[np.float64], triangles: NDArray[np.integer
     ValueError
         When the shapes are wrong or a vertex number is out of range.
     """
+    return merge_and_trace(vertices, triangles)[0]
+
+
+def merge_and_trace(vertices: NDArray[np.float64], triangles: NDArray[np.integer]) -> tuple[Pieces, NDArray[np.int64]]:
+    """As `merge_triangles`, and (m,) the piece that each triangle became part of; -1 for one without area."""
     triangles = np.asarray(triangles, dtype=np.int64)
     if vertices.ndim != 2 or vertices.shape[1] != 3 or triangles.ndim != 2 or triangles.shape[1] != 3:
         raise ValueError(f"expected (n, 3) vertices and (m, 3) triangles, got {vertices.shape} and {triangles.shape}")
@@ -88,7 +93,8 @@ def merge_triangles(vertices: NDArray[np.float64], triangles: NDArray[np.integer
     corners = np.asarray(vertices, dtype=np.float64)[triangles]
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     twice_area = np.linalg.norm(cross, axis=1)
-    corners, normal = corners[twice_area > 0.0], cross[twice_area > 0.0] / twice_area[twice_area > 0.0, None]
+    kept = twice_area > 0.0
+    corners, normal = corners[kept], cross[kept] / twice_area[kept, None]
     pairs = _neighbours(corners)
     extent = float(np.ptp(corners.reshape(-1, 3), axis=0).max()) if len(corners) else 0.0
     fits, score = _parallelograms(pairs, extent)
@@ -99,11 +105,16 @@ def merge_triangles(vertices: NDArray[np.float64], triangles: NDArray[np.integer
     one = np.concatenate([pairs.first[flat], joined.first])
     other = np.concatenate([pairs.second[flat], joined.second])
     surface = connected(one, other, len(corners))
-    return _assemble(corners, joined, surface)
+    pieces, piece = _assemble(corners, joined, surface)
+    piece_of = np.full(len(kept), -1, dtype=np.int64)
+    piece_of[kept] = piece
+    return pieces, piece_of
 
 
-def _assemble(corners: NDArray[np.float64], joined: _Neighbours, surface: NDArray[np.int64]) -> Pieces:
-    """Pieces of the joined pairs and of the triangles left over, ordered by first triangle."""
+def _assemble(
+    corners: NDArray[np.float64], joined: _Neighbours, surface: NDArray[np.int64]
+) -> tuple[Pieces, NDArray[np.int64]]:
+    """Pieces of the joined pairs and of the triangles left over, ordered by first triangle; the piece of each."""
     origin = corners[:, 0].copy()
     edge_u, edge_v = corners[:, 1] - origin, corners[:, 2] - origin
     is_triangle = np.ones(len(corners), dtype=np.bool_)
@@ -113,7 +124,10 @@ def _assemble(corners: NDArray[np.float64], joined: _Neighbours, surface: NDArra
     left = np.ones(len(corners), dtype=np.bool_)
     left[np.maximum(joined.first, joined.second)] = False
     numbers = np.unique(surface[left], return_inverse=True)[1].astype(np.int32)
-    return Pieces(origin[left], edge_u[left], edge_v[left], is_triangle[left], numbers)
+    lowest = np.arange(len(corners))
+    lowest[np.maximum(joined.first, joined.second)] = place
+    pieces = Pieces(origin[left], edge_u[left], edge_v[left], is_triangle[left], numbers)
+    return pieces, (np.cumsum(left) - 1)[lowest]
 
 
 def _neighbours(corners: NDArray[np.float64]) -> _Neighbours:

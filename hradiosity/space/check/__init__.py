@@ -21,7 +21,7 @@ from hradiosity.space.check.spectra import spectral_findings
 from hradiosity.space.check.subject import Subject
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
 
-__all__ = ["SEVERITIES", "Finding", "Severity", "check_scene", "raise_faults"]
+__all__ = ["SEVERITIES", "Finding", "Severity", "Subject", "all_findings", "check_scene", "ordered", "raise_faults"]
 
 
 def check_scene(scene: Scene, bvh: Bvh, lit: LitSides | None = None, *, seed: int = 0) -> tuple[Finding, ...]:
@@ -43,17 +43,19 @@ def check_scene(scene: Scene, bvh: Bvh, lit: LitSides | None = None, *, seed: in
     tuple of Finding
         Gravest first; many of one kind are counted in the last of that kind.
     """
-    subject = Subject(scene, bvh, lit if lit is not None else find_lit_sides(scene, bvh, seed=seed), seed)
+    return ordered(all_findings(Subject(scene, bvh, lit or find_lit_sides(scene, bvh, seed=seed), seed)))
+
+
+def all_findings(subject: Subject) -> list[Finding]:
+    """Every single finding, in no order."""
     seen = look_from_sensors(subject)
-    return ordered(
-        [
-            *coincident_findings(subject),
-            *shape_findings(subject),
-            *shell_findings(subject),
-            *sensor_findings(subject, seen),
-            *camera_findings(subject),
-            *lamp_findings(subject),
-            *space_findings(subject, seen),
-            *spectral_findings(scene),
-        ]
-    )
+    return [
+        *coincident_findings(subject),
+        *shape_findings(subject),
+        *shell_findings(subject),
+        *sensor_findings(subject, seen),
+        *camera_findings(subject),
+        *lamp_findings(subject),
+        *space_findings(subject, seen),
+        *spectral_findings(subject.scene),
+    ]

@@ -15,7 +15,8 @@ from hradiosity.space.coplanar import Coplanar, coplanar_pairs
 
 _WHOLE = 0.99
 """Common share of both areas from which two faces are one and the same."""
-_DUPLICATE, _LAMP, _SAME, _CONTRARY, _SHEET = range(5)
+DUPLICATE, LAMP, SAME, CONTRARY, SHEET = range(5)
+"""What two surfaces in one place are: the keys of `WORDS`."""
 
 
 class _Words(NamedTuple):
@@ -26,36 +27,36 @@ class _Words(NamedTuple):
     fix: str
 
 
-_WORDS = {
-    _DUPLICATE: _Words(
+WORDS = {
+    DUPLICATE: _Words(
         "duplicate-faces",
         "warning",
         "are the same faces twice",
         "both reflect the same light, and rays meet only one of them",
         "delete one of the two",
     ),
-    _LAMP: _Words(
+    LAMP: _Words(
         "lamp-in-surface",
         "warning",
         "lie in one plane and face the same way, and one of them is a lamp",
         "the lamp may be hidden by the surface, and pictures show patches of both",
         "move the lamp 1 mm off the surface, or cut the surface out around it",
     ),
-    _SAME: _Words(
+    SAME: _Words(
         "coincident-surfaces",
         "warning",
         "lie in one plane and face the same way",
         "which of them a ray meets is left to rounding (z-fighting)",
         "move one by 1 mm, or cut it where they overlap",
     ),
-    _CONTRARY: _Words(
+    CONTRARY: _Words(
         "coincident-back-to-back",
         "warning",
         "lie in one plane back to back and differ",
         "rays meet only one of them from both sides, so one side has the wrong paint or light",
         "give the wall a thickness, or keep one two-sided face",
     ),
-    _SHEET: _Words(
+    SHEET: _Words(
         "sheet-modelled-twice",
         "info",
         "are a sheet modelled by two equal faces back to back",
@@ -67,16 +68,21 @@ _WORDS = {
 
 def coincident_findings(subject: Subject) -> Iterator[Finding]:
     """One finding for each pair of objects with surfaces in one place that light reaches."""
-    pairs = coplanar_pairs(subject.scene.patches)
-    seen = np.flatnonzero(_compete(subject, pairs))
-    case = _case(subject, pairs)[seen]
+    pairs, seen, case = lit_pairs(subject)
     owner = subject.scene.patches.object.astype(np.int64)
     a, b = owner[pairs.first[seen]], owner[pairs.second[seen]]
     n = len(subject.scene.objects)
     key = (case * n + np.minimum(a, b)) * n + np.maximum(a, b)
     order = np.argsort(key, kind="stable")
     for same in np.split(order, np.flatnonzero(np.diff(key[order])) + 1) if len(seen) else []:
-        yield _finding(subject, pairs, seen[same], _WORDS[int(case[same[0]])])
+        yield _finding(subject, pairs, seen[same], WORDS[int(case[same[0]])])
+
+
+def lit_pairs(subject: Subject) -> tuple[Coplanar, NDArray[np.int64], NDArray[np.int64]]:
+    """All pairs of patches in one place; which of them light reaches; and the case of each of these, as in `WORDS`."""
+    pairs = coplanar_pairs(subject.scene.patches)
+    seen = np.flatnonzero(_compete(subject, pairs))
+    return pairs, seen, _case(subject, pairs)[seen]
 
 
 def smaller_of(subject: Subject, pairs: Coplanar) -> NDArray[np.int64]:
@@ -101,15 +107,15 @@ def _compete(subject: Subject, pairs: Coplanar) -> NDArray[np.bool_]:
 
 
 def _case(subject: Subject, pairs: Coplanar) -> NDArray[np.int64]:
-    """(m,) which of the cases in `_WORDS`."""
+    """(m,) which of the cases in `WORDS`."""
     first, second = pairs.first, pairs.second
     whole = pairs.area >= _WHOLE * np.maximum(subject.area[first], subject.area[second])
     lamp = subject.emits[first] | subject.emits[second]
     material = subject.scene.patches.material
     unlike = (material[first] != material[second]) | ~subject.reflects_behind[first] | lamp
     alike = ~lamp | (subject.emits[first] & subject.emits[second])
-    same = np.where(whole & alike, _DUPLICATE, np.where(lamp, _LAMP, _SAME))
-    return np.where(pairs.same_facing, same, np.where(unlike, _CONTRARY, _SHEET))
+    same = np.where(whole & alike, DUPLICATE, np.where(lamp, LAMP, SAME))
+    return np.where(pairs.same_facing, same, np.where(unlike, CONTRARY, SHEET))
 
 
 def _finding(subject: Subject, pairs: Coplanar, rows: NDArray[np.int64], words: _Words) -> Finding:
