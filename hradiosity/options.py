@@ -47,6 +47,7 @@ class Options:
     occlusion, interreflection : force an effect on or off
     glow : leave all lamps with an area to the rays that meet them, without shadow rays, or none
     pictures : pictures or maps will be drawn, which calls for shadow refinement
+    full_metrics : R1 to R14, Rf and Rg too are derived from each reading
     tolerance : of the linear solver, residual over right-hand side
     solver : ``--solver`` of the command line; the classic mode always shoots
     blocks : along each edge of the matrix, for the solver "block-inversion"
@@ -71,13 +72,14 @@ class Options:
     light_samples: int = 512
     gather_samples: int = 4096
     lookup: Literal[2, 3] = 2
-    replicates: int = 4
+    replicates: int = 8
     accuracy: float | None = None
     time: float | None = None
     occlusion: bool | None = None
     interreflection: bool | None = None
     glow: bool | None = None
     pictures: bool = False
+    full_metrics: bool = False
     tolerance: float = 1e-3
     solver: SolverName = "cg"
     blocks: int = 4

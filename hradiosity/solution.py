@@ -9,48 +9,93 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from hradiosity.estimate import Estimate
 from hradiosity.model.scene import Scene
 from hradiosity.plan import Plan
 from hradiosity.space.hierarchy import Elements
 
+LIGHT_NUMBERS = ("irradiance", "illuminance", "chromaticity", "mean_illuminance", "uniformity")
+"""Numbers that all readings have."""
+
 
 @dataclass(frozen=True)
 class Readings:
-    """Light at the points of one sensor, with 95 % intervals.
+    """Light at the points of one sensor, with intervals.
 
     position, normal : (n, 3) float64 [m], [1]
-    irradiance, half_width : (n, n_bands) float64 [W m⁻² per band]
-    illuminance, illuminance_half_width : (n,) float64 [lx]
-    mean_illuminance, mean_illuminance_half_width : of the sensor as a whole [lx]; the interval is that of the mean,
-        and not the mean of the intervals
-    uniformity_half_width : of `uniformity`
-    chromaticity, chromaticity_half_width : (n, 2) float64, CIE 1931 x and y; NaN where there is no light
     enclosed : (n,) float64, share of the view that ends inside a solid
+    numbers : by name, each with an interval that comes from the same number in each replicate, and not from the
+        intervals of what it is made of: ``irradiance`` (n, n_bands) [W m⁻² per band], ``illuminance`` (n,) [lx],
+        ``chromaticity`` (n, 2) CIE 1931 x and y, NaN without light; numbers of colour and the eye (n,), see
+        `hradiosity.metrics.derived`, NaN where not defined; of the sensor as a whole ``mean_illuminance`` [lx] and
+        ``uniformity``, U₀, lowest over mean illuminance
 
-    Half widths come from the same number in each replicate, and not from those of what it is made of.
+    Half widths are those of 95 % intervals; `Estimate.half_width_at` has others.
     """
 
     sensor: str
     position: NDArray[np.float64]
     normal: NDArray[np.float64]
-    irradiance: NDArray[np.float64]
-    half_width: NDArray[np.float64]
-    illuminance: NDArray[np.float64]
-    illuminance_half_width: NDArray[np.float64]
-    mean_illuminance: float
-    mean_illuminance_half_width: float
-    uniformity_half_width: float
-    chromaticity: NDArray[np.float64]
-    chromaticity_half_width: NDArray[np.float64]
     enclosed: NDArray[np.float64]
+    numbers: Mapping[str, Estimate]
 
     def __len__(self) -> int:
         return len(self.position)
 
     @property
+    def irradiance(self) -> NDArray[np.float64]:
+        """(n, n_bands) spectra [W m⁻² per band]."""
+        return self.numbers["irradiance"].value
+
+    @property
+    def half_width(self) -> NDArray[np.float64]:
+        """(n, n_bands) of `irradiance`."""
+        return self.numbers["irradiance"].half_width
+
+    @property
+    def illuminance(self) -> NDArray[np.float64]:
+        """(n,) [lx]."""
+        return self.numbers["illuminance"].value
+
+    @property
+    def illuminance_half_width(self) -> NDArray[np.float64]:
+        """(n,) of `illuminance`."""
+        return self.numbers["illuminance"].half_width
+
+    @property
+    def mean_illuminance(self) -> float:
+        """Of the sensor as a whole [lx]."""
+        return float(self.numbers["mean_illuminance"].value)
+
+    @property
+    def mean_illuminance_half_width(self) -> float:
+        """Of the mean, which is not the mean of the half widths."""
+        return float(self.numbers["mean_illuminance"].half_width)
+
+    @property
     def uniformity(self) -> float:
         """U₀, lowest over mean illuminance; 0 where there is no light."""
-        return float(self.illuminance.min() / self.mean_illuminance) if self.mean_illuminance > 0.0 else 0.0
+        return float(self.numbers["uniformity"].value)
+
+    @property
+    def uniformity_half_width(self) -> float:
+        """Of `uniformity`."""
+        return float(self.numbers["uniformity"].half_width)
+
+    @property
+    def chromaticity(self) -> NDArray[np.float64]:
+        """(n, 2) CIE 1931 x and y; NaN where there is no light."""
+        return self.numbers["chromaticity"].value
+
+    @property
+    def chromaticity_half_width(self) -> NDArray[np.float64]:
+        """(n, 2) of `chromaticity`."""
+        return self.numbers["chromaticity"].half_width
+
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """Names of the numbers of colour and the eye."""
+        return tuple(name for name in self.numbers if name not in LIGHT_NUMBERS)
 
     @property
     def accuracy(self) -> NDArray[np.float64]:
@@ -60,11 +105,27 @@ class Readings:
         return np.divide(self.illuminance_half_width, base, out=np.zeros_like(base), where=base > 0.0)
 
 
+def interval_shares(readings: Mapping[str, Readings]) -> dict[str, float]:
+    """By part of the intervals: median over all lit readings of its half width over the illuminance."""
+    known = [found.numbers["illuminance"] for found in readings.values()]
+    if not known:
+        return {}
+    lux = np.concatenate([estimate.value for estimate in known])
+    lit = lux > 0.0
+    if not lit.any():
+        return {}
+    names = known[0].parts
+    return {
+        name: float(np.median(np.concatenate([estimate.parts[name] for estimate in known])[lit] / lux[lit]))
+        for name in names
+    }
+
+
 @dataclass(frozen=True)
 class Surfaces:
     """The light on the row elements.
 
-    irradiance : (n_rows, n_bands) float64 [W m⁻² per band], mean over replicates, each with the share that it found exposed
+    irradiance : (n_rows, n_bands) float64 [W m⁻² per band], mean over replicates, each with the share found exposed
     direct : (n_rows, n_bands) float64, the part that comes straight from emitters
     space : (n_rows,) int32, connected space that each element looks into
     exposed : (n_rows,) float64, share of the element that is not covered by a solid

@@ -77,3 +77,47 @@ __kernel void sum_paths(__global const uint *path_start,     /* (n_batches + 1,)
     for (uint g = 0; g < HR_GROUPS; ++g)
         ((hr_groups_out)irradiance)[(size_t)batch * HR_GROUPS + g] = sum[g];
 }
+
+/* What readings would gain if the solution were `change` brighter where paths look it up: sums over batches of paths of
+   rho1 rho2 ... change. */
+__kernel void sum_lookups(__global const uint *path_start,   /* (n_batches + 1,) into the paths  */
+                          __global const uint *path_paint,   /* (n_paths, HR_LIT_HITS)           */
+                          __global const uint *path_row,     /* (n_paths,)                       */
+                          __global const float *path_weight, /* (n_paths,)                       */
+                          __global const float *reflectance, /* (n_paints, 8 n_groups) [1]       */
+                          __global const float *change,      /* (n_rows, 8 n_groups) [W m^-2]    */
+                          __global float *irradiance,        /* (n_batches, 8 n_groups) [W m^-2] */
+                          const uint n_items)
+{
+    const uint batch = get_global_id(0);
+    if (batch >= n_items)
+        return;
+    float8 sum[HR_GROUPS];
+#pragma unroll
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        sum[g] = (float8)(0.0f);
+    const uint end = path_start[batch + 1];
+    for (uint i = path_start[batch]; i < end; ++i) {
+        const size_t first = (size_t)i * HR_LIT_HITS;
+        const uint row = path_row[i];
+        if (!HR_IS_ROW(row))
+            continue;
+        hr_groups_in last = (hr_groups_in)change + (size_t)row * HR_GROUPS;
+        float8 arriving[HR_GROUPS];
+#pragma unroll
+        for (uint g = 0; g < HR_GROUPS; ++g)
+            arriving[g] = path_weight[i] * last[g];
+        for (uint hit = 0; hit < HR_LIT_HITS && path_paint[first + hit] != HR_NONE; ++hit) {
+            hr_groups_in paint = (hr_groups_in)reflectance + (size_t)path_paint[first + hit] * HR_GROUPS;
+#pragma unroll
+            for (uint g = 0; g < HR_GROUPS; ++g)
+                arriving[g] *= paint[g];
+        }
+#pragma unroll
+        for (uint g = 0; g < HR_GROUPS; ++g)
+            sum[g] += arriving[g];
+    }
+#pragma unroll
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        ((hr_groups_out)irradiance)[(size_t)batch * HR_GROUPS + g] = sum[g];
+}

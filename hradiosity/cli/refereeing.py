@@ -7,11 +7,11 @@ from pathlib import Path
 
 from hradiosity.cli.display import Display
 from hradiosity.cli.text import count, percent
+from hradiosity.estimate import student_quantile
 from hradiosity.io.output_folder import write_file
 from hradiosity.io.results_tables import readings_table, spectra_table
 from hradiosity.model.spectrum import Bands
 from hradiosity.radiosity.referee import Referee, RefereeState
-from hradiosity.readings.interval import student_quantile
 from hradiosity.readings.paths import SCRAMBLES
 from hradiosity.solution import Readings
 from hradiosity.suites.compare import Comparison, compare

@@ -21,6 +21,8 @@ def render(
     resume: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     referee: Annotated[int | None, Parameter(group=EFFORT)] = None,
     pictures: Annotated[bool, Parameter(negative="--no-pictures", group=OUTPUT)] = True,
+    interval_parts: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
+    full_metrics: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     quiet: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     json: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
 ) -> int:
@@ -42,6 +44,10 @@ def render(
         Compare with so many unbiased paths from each reading.
     pictures
         Draw the views of the scene.
+    interval_parts
+        In readings.csv, tell what the intervals are made of: sampling, mesh, iteration, spectral, precision.
+    full_metrics
+        In readings.csv, R1 to R14, Rf and Rg too.
     quiet
         Show nothing but errors.
     json
@@ -56,11 +62,12 @@ def render(
         Request(
             scene=scene,
             out=out if out is not None else Path("results") / name_of(scene),
-            options=replace(chosen.options(), pictures=pictures),
+            options=replace(chosen.options(), pictures=pictures, full_metrics=full_metrics),
             device=chosen.device,
             resume=resume,
             referee=referee,
             pictures=pictures,
+            interval_parts=interval_parts,
             quiet=quiet,
             json=json,
         )

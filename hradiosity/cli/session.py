@@ -15,7 +15,7 @@ from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
 from hradiosity.cli.live_files import LiveFiles, draw_first_picture
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
-from hradiosity.cli.text import account_line, note_lines, sensor_lines, time_lines
+from hradiosity.cli.text import account_line, note_lines, parts_lines, sensor_lines, time_lines
 from hradiosity.device import Device
 from hradiosity.errors import OutputError
 from hradiosity.io import calibration
@@ -43,6 +43,7 @@ class Request:
     resume: bool
     referee: int | None
     pictures: bool
+    interval_parts: bool
     quiet: bool
     json: bool
 
@@ -178,7 +179,13 @@ class _Session:
         self._display.stage("writing the results")
         with held_back() as came:
             try:
-                write_results(self.partial, solution, self._solver.checkpoint(), digest)
+                write_results(
+                    self.partial,
+                    solution,
+                    self._solver.checkpoint(),
+                    digest,
+                    parts=self.request.interval_parts,
+                )
                 if self.request.pictures and not interrupted and not came:
                     interrupted = self._draw(solution)
             except OutputError as error:
@@ -247,7 +254,7 @@ class _Session:
         display = self._display
         if solution.readings:
             title = "Illuminance with 95 % intervals; accuracy is that of the worst reading"
-            display.lines(sensor_lines(solution.readings), title=title)
+            display.lines([*sensor_lines(solution.readings), *parts_lines(solution.readings)], title=title)
         for title, lines in self._closing:
             display.lines(lines, title=title)
         display.lines(time_lines(seconds), title="Where the time went")

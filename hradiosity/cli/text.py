@@ -6,7 +6,17 @@ import math
 from collections.abc import Mapping, Sequence
 
 from hradiosity.model.scene import Note
-from hradiosity.solution import Readings, Solution
+from hradiosity.solution import Readings, Solution, interval_shares
+
+TOLD_PART = 5e-5
+"""Parts of the intervals below this share of the reading are not told."""
+ADVICE = {
+    "sampling": "more replicates or samples narrow them",
+    "mesh": "smaller elements narrow them",
+    "iteration": "the solver stopped early; a wanted accuracy makes it go on",
+    "spectral": "wavelengths were combined; a wanted accuracy makes it solve them all",
+}
+"""What narrows intervals whose largest part it is."""
 
 
 def note_lines(notes: Sequence[Note], *, all_of_them: bool = False) -> list[str]:
@@ -35,6 +45,16 @@ def sensor_lines(readings: Mapping[str, Readings]) -> list[str]:
             )
         )
     return aligned(rows)
+
+
+def parts_lines(readings: Mapping[str, Readings]) -> list[str]:
+    """What the intervals are made of: the median half width of each part, over the reading, largest first."""
+    shares = interval_shares(readings)
+    shown = sorted((item for item in shares.items() if item[1] >= TOLD_PART), key=lambda item: -item[1])
+    if not shown:
+        return []
+    told = ", ".join(f"{name} {percent(share)}" for name, share in shown)
+    return [f"the intervals are made of {told} (medians): {ADVICE.get(shown[0][0], '')}".rstrip(": ")]
 
 
 def time_lines(seconds: Mapping[str, float]) -> list[str]:

@@ -22,7 +22,7 @@ from hradiosity.plan import Plan
 
 CHECKPOINT_FILE = "checkpoint.h5"
 MESH_FILE = "solution.vtkhdf"
-_LAYOUT = 2
+_LAYOUT = 3
 """One more whenever a checkpoint keeps something else, so that none of an earlier program is taken up."""
 _PLAN_FIELDS = (
     *("element_size", "rays_per_element", "light_points", "light_samples", "gather_samples"),

@@ -7,14 +7,14 @@ from collections.abc import Sequence
 from dataclasses import asdict, dataclass, fields
 from typing import Final
 
+from hradiosity.estimate import student_quantile
 from hradiosity.io.cache import load_devices, store_devices
 from hradiosity.options import Options
-from hradiosity.readings.interval import student_quantile
 
 _FILE: Final = "cost.json"
 MOST_REPLICATES: Final = 256
 _KEPT_SCENES: Final = 50
-_APART: Final = ("accuracy", "time", "seed", "pictures")
+_APART: Final = ("accuracy", "time", "seed", "pictures", "full_metrics")
 """Options that do not change what one replicate takes, or how much it varies."""
 
 

@@ -17,15 +17,22 @@ from hradiosity.io.run_record import run_record, to_json
 from hradiosity.solution import Solution
 
 
-def write_results(folder: Path, solution: Solution, checkpoint: Mapping[str, NDArray[Any]], digest: str) -> None:
+def write_results(
+    folder: Path, solution: Solution, checkpoint: Mapping[str, NDArray[Any]], digest: str, *, parts: bool = False
+) -> None:
     """Write tables and mesh into a folder that exists; ``run.json`` comes last, by `write_run`.
+
+    Parameters
+    ----------
+    parts : bool
+        With what the half widths of the illuminances are made of.
 
     Raises
     ------
     OutputError
         When a file can't be written.
     """
-    write_file(folder / "readings.csv", readings_table(solution.readings))
+    write_file(folder / "readings.csv", readings_table(solution.readings, parts=parts))
     bands = solution.scene.bands
     write_file(folder / "spectra.csv", spectra_table(solution.readings, bands))
     write_file(folder / "spectra_half_width.csv", spectra_table(solution.readings, bands, half_width=True))

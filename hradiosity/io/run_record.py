@@ -15,7 +15,7 @@ import numpy as np
 
 from hradiosity.io.output_folder import PROGRAM
 from hradiosity.plan import Plan
-from hradiosity.solution import Readings, Solution
+from hradiosity.solution import Readings, Solution, interval_shares
 
 _PACKAGES = ("hradiosity", "numpy", "scipy", "pyopencl", "h5py", "pocl-binary-distribution")
 
@@ -77,6 +77,7 @@ def sensor_record(found: Readings) -> dict[str, Any]:
         "uniformity": found.uniformity,
         "uniformity_half_width": found.uniformity_half_width,
         "accuracy": float(found.accuracy.max()),
+        "median_interval_parts": interval_shares({found.sensor: found}),
         "enclosed_readings": int((found.enclosed > 0.5).sum()),
     }
 

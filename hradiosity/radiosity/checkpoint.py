@@ -48,8 +48,3 @@ def unpack_record(packed: NDArray[np.uint8]) -> tuple[Record, Mapping[str, float
 def _convergence(found: dict[str, Any]) -> Convergence:
     stages = tuple(Stage(**stage) for stage in found["stages"])
     return Convergence(**(found | {"residual": tuple(found["residual"]), "stages": stages}))
-
-
-def part_of(kept: Mapping[str, NDArray[Any]], prefix: str) -> dict[str, NDArray[Any]]:
-    """The entries ``prefix/name``, by name."""
-    return {key[len(prefix) + 1 :]: array for key, array in kept.items() if key.startswith(f"{prefix}/")}

@@ -13,7 +13,7 @@ from hradiosity.radiosity.classic_surfaces import ClassicLight, ClassicSurfaces
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.solver import KEPT_BYTES, RadiositySolver
 from hradiosity.radiosity.surfaces import SurfaceSolver
-from hradiosity.readings.moments import ReadingMoments
+from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
 from hradiosity.solution import Readings
 from hradiosity.transport.direct import direct_at_points
 
@@ -63,10 +63,10 @@ class ClassicSolver(RadiositySolver):
         """
         if len(self._lights) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands)
+        moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands, full=self.options.full_metrics)
         for light in self._lights:
             self._gather(moments, light)
-        return moments.readings()["read"]
+        return moments.readings(self._prepare().shared_errors())["read"]
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
@@ -95,7 +95,7 @@ class ClassicSolver(RadiositySolver):
             views = light.hemicube.views(position[part], normal[part], angle[part])
             irradiance[part] += views.factor @ exitance + views.sky[:, None] * sky
             lost[part] = views.covered + views.unlit
-        moments.add(self.plan.columns.to_bands(irradiance), lost)
+        moments.add(ReplicateReadings(self.plan.columns.to_bands(irradiance), lost))
 
     def _direct(self, position: NDArray[np.float64], normal: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
         """(n, n_columns) irradiance straight from the lamps; from point sources alone if area lamps are in view."""

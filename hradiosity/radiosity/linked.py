@@ -20,7 +20,7 @@ from hradiosity.space.hierarchy import UNLIT, Elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.space.nodes import build_nodes
 from hradiosity.space.shafts import FARTHEST
-from hradiosity.transport.exchange import ClosedRows, RowHits
+from hradiosity.transport.exchange import ClosedRows, Exchange, RowHits
 from hradiosity.transport.link_exchange import LinkedNodes, LinkExchange, build_link_exchange, link_nodes
 from hradiosity.transport.links import LinkFinder, Refinement
 
@@ -122,7 +122,11 @@ class LinkedSurfaces(SurfaceSolver):
         self.shares = {"blocked": exchange.blocked, "partly_hidden": exchange.partial}
         if self.options.solver in MULTILEVEL_SOLVERS:
             return LinkOperator(self.device, exchange)
-        return ExchangeOperator(self.device, exchange.flattened())
+        return super()._operator(exchange)
+
+    def _rows(self, exchange: ClosedRows) -> Exchange:
+        """The same between single elements."""
+        return exchange.flattened() if isinstance(exchange, LinkExchange) else super()._rows(exchange)
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs beside the constructor's arguments."""

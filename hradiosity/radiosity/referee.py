@@ -10,7 +10,7 @@ import numpy as np
 
 from hradiosity.device import Device
 from hradiosity.model.scene import Scene
-from hradiosity.readings.moments import ReadingMoments
+from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
 from hradiosity.readings.path_scene import prepare_referee
 from hradiosity.readings.paths import PathTotals, RefereeSamples, rounds, trace_round
 from hradiosity.solution import Readings
@@ -114,7 +114,7 @@ def scramble_moments(scene: Scene, samples: RefereeSamples) -> ReadingMoments:
     """Readings with intervals from the spread of the scrambles: every one is a replicate."""
     moments = ReadingMoments(scene.sensors, scene.bands)
     for spectra in samples.per_scramble:
-        moments.add(spectra, samples.enclosed)
+        moments.add(ReplicateReadings(spectra, samples.enclosed))
     return moments
 
 

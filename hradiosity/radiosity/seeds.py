@@ -26,8 +26,8 @@ def replicate_seed(run_seed: int, replicate: int) -> int:
     if seeds[-1] in seeds[:-1]:
         first = seeds.index(seeds[-1])
         raise HradiosityError(
-            f"replicates {first + 1} and {replicate + 1} would have the same random numbers (seed {seeds[-1]}): intervals "
-            "from their spread would mean nothing; start with another --seed"
+            f"replicates {first + 1} and {replicate + 1} would have the same random numbers (seed {seeds[-1]}): "
+            "intervals from their spread would mean nothing; start with another --seed"
         )
     return seeds[-1]
 

@@ -15,13 +15,15 @@ from hradiosity.model.scene import Note, Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import make_plan
-from hradiosity.radiosity.checkpoint import pack_record, part_of, unpack_record
+from hradiosity.radiosity.checkpoint import pack_record, unpack_record
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
 from hradiosity.readings.effort import Effort, plan_effort
-from hradiosity.readings.moments import ReadingMoments
+from hradiosity.readings.interval import part_of
+from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
 from hradiosity.readings.sensors import PathRules, SurfaceLight, read_points
+from hradiosity.readings.unseen import brightest_unseen
 from hradiosity.solution import Readings, Solution
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
@@ -65,7 +67,7 @@ class RadiositySolver:
         self._calibration = calibration
         self._start = time.perf_counter()
         self._earlier_seconds = 0.0
-        self._readings = ReadingMoments(scene.sensors, scene.bands)
+        self._readings = ReadingMoments(scene.sensors, scene.bands, full=options.full_metrics)
         self._surfaces: SurfaceSolver | None = None
         self._effort: Effort | None = None
         self.notes: tuple[Note, ...] = scene.notes
@@ -116,7 +118,7 @@ class RadiositySolver:
         """Whether all readings are as accurate as was asked for; True if nothing was asked."""
         if self.options.accuracy is None:
             return True
-        return self.replicates >= 2 and float(self._readings.errors().max(initial=0.0)) <= self.options.accuracy
+        return self.replicates >= 2 and float(self._errors().max(initial=0.0)) <= self.options.accuracy
 
     def solution(self) -> Solution:
         """What is known so far.
@@ -133,7 +135,7 @@ class RadiositySolver:
             plan=self.plan,
             elements=self._surfaces.elements,
             surfaces=self._surfaces.surfaces(),
-            readings=self._readings.readings(),
+            readings=self._current(),
             replicates=self.replicates,
             complete=self.replicates >= self._wanted(),
             record=self._summary(),
@@ -150,11 +152,11 @@ class RadiositySolver:
         """
         if len(self._kept) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands)
+        moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands, full=self.options.full_metrics)
         effort = self._plan_effort(moments, *self._kept[0])
         for elements, light, seed in self._kept:
             self._read(moments, elements, light, seed, effort)
-        return moments.readings()["read"]
+        return moments.readings(self._prepare().shared_errors())["read"]
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs, by name; the arrays do not change when the run goes on."""
@@ -259,8 +261,9 @@ class RadiositySolver:
         self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int, effort: Effort
     ) -> None:
         """One replicate of readings."""
+        scene = self._prepare().on_device
         samples = read_points(
-            self._prepare().on_device,
+            scene,
             elements,
             light,
             moments.position,
@@ -271,7 +274,24 @@ class RadiositySolver:
             rules=PathRules(self.options.lookup, NEAR_FACTOR),
             seed=seed ^ 0x5BD1E995,
         )
-        moments.add(self.plan.columns.to_bands(samples.irradiance), samples.enclosed)
+        unseen = brightest_unseen(
+            scene,
+            light,
+            moments.position,
+            moments.normal,
+            samples,
+            light_samples=effort.light,
+            gather_samples=effort.gather,
+        )
+        to_bands = self.plan.columns.to_bands
+        moments.add(
+            ReplicateReadings(
+                to_bands(samples.irradiance),
+                samples.enclosed,
+                None if samples.coarse_change is None else to_bands(samples.coarse_change),
+                None if unseen is None else to_bands(unseen),
+            )
+        )
 
     def _wanted(self) -> int:
         """Replicates to do, as far as is known by now."""
@@ -285,11 +305,19 @@ class RadiositySolver:
         unbounded = options.accuracy is None and options.time is None
         return done if unbounded or reached else done + 1
 
+    def _current(self) -> dict[str, Readings]:
+        """Readings with their intervals as of now."""
+        return self._readings.readings(self._prepare().shared_errors())
+
+    def _errors(self) -> NDArray[np.float64]:
+        """(n,) accuracy of every reading, see `Readings.accuracy`; empty before two replicates."""
+        return self._readings.errors(self._prepare().shared_errors())
+
     def _elapsed(self) -> float:
         return time.perf_counter() - self._start
 
     def _state(self, stage: str) -> State:
-        errors = self._readings.errors()
+        errors = self._errors()
         history = self.record.convergence[-1].residual if self.record.convergence else (1.0,)
         return State(
             stage=stage,
@@ -303,6 +331,11 @@ class RadiositySolver:
             unshot=history[-1],
         )
 
+    def _interval_parts(self) -> list[str]:
+        """What the half widths of the readings are made of."""
+        readings = self._current().values()
+        return list(next(iter(readings)).numbers["illuminance"].parts) if readings else []
+
     def _summary(self) -> dict[str, Any]:
         return {
             "options": asdict(self.options),
@@ -315,7 +348,7 @@ class RadiositySolver:
             "rays": self.record.rays,
             "hemicubes": {"drawn": self.record.hemicubes, "seconds": self.record.hemicube_seconds},
             "elements": 0 if self._surfaces is None else len(self._surfaces.elements),
-            "interval_parts": ["sampling"],
+            "interval_parts": self._interval_parts(),
             "defects_before_closure": [asdict(d) for d in self.record.defects],
             "solver": [asdict(c) for c in self.record.convergence],
         }

@@ -17,18 +17,21 @@ from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import sight_shares, sized, with_sight
-from hradiosity.readings.interval import RunningMoments
+from hradiosity.radiosity.companion import Companion
+from hradiosity.radiosity.row_light import RowLight, light_of_glow
+from hradiosity.readings.interval import RunningMean, part_of
 from hradiosity.readings.sensors import SurfaceLight, emitter_choice
 from hradiosity.solution import Surfaces
-from hradiosity.solvers.choice import SolverChoice, solve_system
+from hradiosity.solvers.choice import SolverChoice
 from hradiosity.solvers.deflation import DEFLATE_ABOVE, deflation_vectors
 from hradiosity.solvers.dense import DIRECT_SOLVERS, check_dense_size
+from hradiosity.solvers.error_growth import ErrorGrowth, error_growth
 from hradiosity.solvers.operator import ExchangeOperator
-from hradiosity.solvers.reduced import solve_by_basis
 from hradiosity.solvers.result import Convergence
 from hradiosity.solvers.southwell import shooting_weights
 from hradiosity.solvers.spectral_basis import SpectralBasis, choose_basis
 from hradiosity.space.bvh import Bvh
+from hradiosity.space.companion import coarser_rows
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
 from hradiosity.space.shafts import UNKNOWN, EmitterShapes, point_sight, row_sight
@@ -42,11 +45,14 @@ RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
 EQUAL_ENERGY_WEIGHT = 1.0
 """Brightness of a watt of any wavelength beside its lumens, so that no band counts for nothing [lm W⁻¹]."""
-SPECTRAL_DEFECT = 5.0
-"""Columns that combination leaves worse than this many solver tolerances are solved after all."""
+SINGLE_PRECISION = 1e-5
+"""Largest relative error of a reading by rounding; tests compare single with double precision."""
 MOST_CONTRAST = 8.0
 """Contrast of the received light from which on the solution is looked up there at a path's first hit already: where
 light comes through a gap, the noise of one more ray is worse than one value for a whole element."""
+COMPANION_EVERY = 2
+"""One replicate in so many is solved on elements of twice the size as well: that difference is far steadier than the
+readings themselves."""
 LOST_SHARE = 1e-4
 """Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
 
@@ -118,7 +124,9 @@ class SurfaceSolver:
         self._emission_on_device = device.upload(self.emission)
         luminous = np.einsum("cb,b->c", columns.expansion, luminous_weights(scene.bands))
         equal = columns.expansion.sum(axis=1)
-        self._weight_on_device = device.upload(columns.padded(luminous + EQUAL_ENERGY_WEIGHT * equal))
+        brightness = luminous + EQUAL_ENERGY_WEIGHT * equal
+        # Only ratios matter, and squares of very strong or weak light would leave single precision.
+        self._weight_on_device = device.upload(columns.padded(brightness / max(brightness.max(), np.finfo(float).tiny)))
         self._sky = columns.padded(columns.sky)
         self._sky_on_device = device.upload(self._sky)
         weight = columns.padded(shooting_weights(columns.expansion, luminous_weights(scene.bands)))
@@ -136,11 +144,13 @@ class SurfaceSolver:
         self._row_glow = self._exitance[self._glow.paint.ravel()[self.elements.cell_side[first]]]
         self._links = np.zeros((0, 2), np.int64)
         shape = (n_rows, 8 * self.plan.columns.n_groups)
-        self._indirect = RunningMoments(shape)
-        self._direct = RunningMoments(shape)
-        self._exposed = RunningMoments((n_rows,))
+        self._indirect = RunningMean(shape)
+        self._direct = RunningMean(shape)
+        self._exposed = RunningMean((n_rows,))
         self._deflation: NDArray[np.float64] | None = None
-        self._basis = self._choose_basis()
+        self._growth: ErrorGrowth | None = None
+        self._solver = RowLight(self.plan, self.options, self._choice, self._choose_basis())
+        self._parent = self._coarser()
 
     def _prove(self, lit: LitSides) -> NDArray[np.uint8] | None:
         """What shafts prove about rows and emitters; None where it was decided without them, or there are none."""
@@ -156,6 +166,13 @@ class SurfaceSolver:
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
         return build_elements(self.scene.patches, lit.space, two_sided, self.plan.element_size, paint=self._glow.paint)
 
+    def _coarser(self) -> NDArray[np.int64]:
+        """(n_rows,) element of twice the size that each row is part of."""
+        if not len(self.elements):
+            return np.zeros(0, np.int64)
+        size = self.plan.element_size
+        return coarser_rows(self.scene.patches, self.elements, self.space, self._glow.paint, size)
+
     def replicate(self, seed: int) -> SurfaceLight:
         """One independent estimate, as paths look it up."""
         with self.record.timed("exchange rays"):
@@ -169,8 +186,11 @@ class SurfaceSolver:
             self.record.defects.append(exchange.defects)
         direct = self._direct_columns(per_emitter, exchange)
         reflectance = self._reflectance[self.elements.row_material]
+        with_companion = self._exposed.count % COMPANION_EVERY == 0
         with self.record.timed("solution"):
             irradiance = self._solve(exchange, reflectance, direct)
+        with self.record.timed("companion"):
+            coarse = self._coarse(exchange, reflectance, direct, irradiance) if with_companion else None
         return SurfaceLight(
             columns=self.plan.columns,
             reflectance=self._reflectance_on_device,
@@ -183,6 +203,7 @@ class SurfaceSolver:
             emitter_choice=self.device.upload(emitter_choice(per_emitter, self.emission)),
             row_direct=self.device.upload(per_emitter),
             weight=self._weight_on_device,
+            coarse_change=None if coarse is None else self.device.upload(reflectance * (coarse - irradiance)),
         )
 
     def _lookup_size(
@@ -242,6 +263,8 @@ class SurfaceSolver:
         kept: dict[str, NDArray[Any]] = {"links": self._links}
         if self._deflation is not None:
             kept["deflation"] = self._deflation
+        if self._growth is not None:
+            kept["growth"] = np.array(self._growth)
         for name, moments in self._moments().items():
             kept |= {f"{name}/{key}": array for key, array in moments.checkpoint().items()}
         return kept
@@ -253,10 +276,11 @@ class SurfaceSolver:
             self._cut(find_lit_sides(self.scene, self._bvh, seed=self.options.seed, known_links=links))
             self._links = links
         self._deflation = kept.get("deflation")
+        self._growth = ErrorGrowth(*(float(value) for value in kept["growth"])) if "growth" in kept else None
         for name, moments in self._moments().items():
-            moments.restore({key: kept[f"{name}/{key}"] for key in ("count", "mean", "squares")})
+            moments.restore(part_of(kept, name))
 
-    def _moments(self) -> dict[str, RunningMoments]:
+    def _moments(self) -> dict[str, RunningMean]:
         return {"indirect": self._indirect, "direct": self._direct, "exposed": self._exposed}
 
     def _trace(self, seed: int) -> RowHits:
@@ -278,9 +302,13 @@ class SurfaceSolver:
 
     def _operator(self, exchange: ClosedRows) -> ExchangeOperator:
         """What solvers iterate with."""
+        return ExchangeOperator(self.device, self._rows(exchange))
+
+    def _rows(self, exchange: ClosedRows) -> Exchange:
+        """The same between single elements."""
         if not isinstance(exchange, Exchange):
             raise TypeError(f"rows between single elements are wanted, not {type(exchange).__name__}")
-        return ExchangeOperator(self.device, exchange)
+        return exchange
 
     def _direct_columns(self, per_emitter: NDArray[np.float32], exchange: ClosedRows) -> NDArray[np.float32]:
         """(n_rows, 8 n_groups) direct irradiance from emitters and sky."""
@@ -298,7 +326,7 @@ class SurfaceSolver:
         irradiance = direct
         if self.plan.gathers and len(self.elements):
             operator = self._operator(exchange)
-            glow = self._light_of_glow(operator)
+            glow = light_of_glow(operator, self._row_glow)
             irradiance = direct + glow
             if self.plan.interreflection:
                 mean_reflectance = (
@@ -310,7 +338,11 @@ class SurfaceSolver:
                         deflation_vectors(operator, self.space) if bright else np.zeros((len(self.elements), 0))
                     )
                 start = self._exposed_mean(self._indirect).astype(np.float32) - glow if self._indirect.count else None
-                irradiance = self._iterate(operator, reflectance, irradiance, start)
+                lit = irradiance
+                irradiance, account = self._solver.solve(operator, reflectance, lit, start, self._deflation)
+                self.record.convergence.extend(account)
+                if self._growth is None:
+                    self._growth = error_growth(operator, reflectance, lit, irradiance)
         exposed = np.divide(
             exchange.element_area,
             self.elements.area,
@@ -332,49 +364,42 @@ class SurfaceSolver:
         self._direct.add(share * direct)
         self._exposed.add(exposed)
 
-    def _exposed_mean(self, light: RunningMoments) -> NDArray[np.float64]:
+    def _exposed_mean(self, light: RunningMean) -> NDArray[np.float64]:
         """(n_rows, 8 n_groups) Σ share · light / Σ share over the replicates; 0 where a row was never exposed."""
         share = self._exposed.mean[:, None]
         mean: NDArray[np.float64] = np.divide(light.mean, share, out=np.zeros_like(light.mean), where=share > 0.0)
         return mean
 
-    def _light_of_glow(self, operator: ExchangeOperator) -> NDArray[np.float32]:
-        """(n_rows, 8 n_groups) irradiance straight from the emitters that have no shadow rays."""
-        if not self._glow.shines:
-            return np.zeros_like(self._row_glow)
-        root = operator.root_area[:, None]
-        light = operator.inverse_root_area[:, None] * operator.apply(root * self._row_glow)
-        return light.astype(np.float32)
-
-    def _iterate(
+    def _coarse(
         self,
-        operator: ExchangeOperator,
+        exchange: ClosedRows,
         reflectance: NDArray[np.float32],
         direct: NDArray[np.float32],
-        start: NDArray[np.float32] | None,
+        irradiance: NDArray[np.float32],
     ) -> NDArray[np.float32]:
-        """Irradiance by the solver of choice, on a basis of columns where that is good enough."""
-        tolerance = self.options.tolerance
-        if self._basis is not None:
-            irradiance, convergence = solve_by_basis(
-                self._choice,
-                operator,
-                reflectance,
-                direct,
-                self._basis,
-                tolerance=tolerance,
-                start=start,
-                deflation=self._deflation,
-            )
-            self.record.convergence.append(convergence)
-            if convergence.spectral_defect <= SPECTRAL_DEFECT * tolerance:
-                return irradiance
-            start = irradiance - direct
-        irradiance, convergence = solve_system(
-            self._choice, operator, reflectance, direct, tolerance=tolerance, start=start, deflation=self._deflation
+        """(n_rows, 8 n_groups) irradiance by elements of twice the size, from the same hits."""
+        if not self.plan.gathers or not len(self.elements):
+            return irradiance
+        return Companion(self._parent, exchange.element_area).light(
+            self.device,
+            self._rows(exchange),
+            replace(self._solver, choice=replace(self._choice, name="cg")),
+            reflectance,
+            direct,
+            self._row_glow,
+            irradiance,
+            self._deflation,
         )
-        self.record.convergence.append(replace(convergence, solved_columns=self.plan.columns.n_columns))
-        return irradiance
+
+    def shared_errors(self) -> dict[str, float]:
+        """By part of the intervals: share of itself that each band may be off by in all replicates alike."""
+        shares = {"precision": SINGLE_PRECISION}
+        growth = self._growth
+        if growth is not None:
+            used = [c for c in self.record.convergence if self._solver.accepts(c)]
+            shares["iteration"] = growth.residual * max(c.residual[-1] for c in used)
+            shares["spectral"] = growth.reflection * max(c.spectral_defect for c in used)
+        return shares
 
     def _choose_basis(self) -> SpectralBasis | None:
         """Columns to iterate on; None for all."""

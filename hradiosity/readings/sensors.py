@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from hradiosity.device.device import DeviceArray
 from hradiosity.plan import SpectralColumns
-from hradiosity.space.hierarchy import COVERED, LONG, NONE
+from hradiosity.space.hierarchy import COVERED, LONG, NONE, UNLIT
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 
@@ -94,6 +94,8 @@ class SurfaceLight:
     emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
     row_direct : (n_rows, n_emitters) float32 on the device, direct light of each element for unit emission
     weight : (8 n_groups,) float32 on the device, brightness of a unit of each column
+    coarse_change : (n_rows, 8 n_groups) float32 on the device, what elements of twice the size would add to
+        `reflected`; None where that is not known
     """
 
     columns: SpectralColumns
@@ -107,6 +109,7 @@ class SurfaceLight:
     emitter_choice: DeviceArray
     row_direct: DeviceArray
     weight: DeviceArray
+    coarse_change: DeviceArray | None = None
 
 
 def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -234,6 +237,27 @@ def reflected_light(
     return np.add.reduceat(sums, of_point) / paths.n_samples, np.add.reduceat(squares, of_point)
 
 
+def changed_light(
+    scene: DeviceScene, paths: PathSamples, light: SurfaceLight, change: DeviceArray
+) -> NDArray[np.float64]:
+    """(n_points, 8 n_groups) irradiance that `change`, (n_rows, 8 n_groups) on the device, adds where paths end."""
+    device = scene.device
+    groups = light.columns.n_groups
+    batch, of_point = _summed_batches(paths.start)
+    irradiance = device.empty((len(batch) - 1, 8 * groups), np.float32)
+    device.kernel("path_sums", "sum_lookups", HR_GROUPS=groups, HR_LIT_HITS=paths.lit_hits)(
+        len(batch) - 1,
+        path_start=device.upload(batch),
+        path_paint=paths.paint,
+        path_row=paths.row,
+        path_weight=paths.weight,
+        reflectance=light.reflectance,
+        change=change,
+        irradiance=irradiance,
+    )
+    return np.add.reduceat(device.fetch(irradiance).astype(np.float64), of_point) / paths.n_samples
+
+
 def _summed_batches(start: NDArray[np.uint32]) -> tuple[NDArray[np.uint32], NDArray[np.int64]]:
     """Paths cut into batches that belong to one point: first path of each batch and the end, first batch of each point.
 
@@ -253,10 +277,14 @@ class ReadingSamples:
 
     irradiance : (n_points, n_columns) float64, in the units of each column
     enclosed : (n_points,) float64, share of paths that began inside a solid
+    coarse_change : (n_points, n_columns) float64, what elements of twice the size would add; None if not known
+    ended_on_rows : (n_points,) float64, share of paths that ended on a side that light may reach
     """
 
     irradiance: NDArray[np.float64]
     enclosed: NDArray[np.float64]
+    coarse_change: NDArray[np.float64] | None
+    ended_on_rows: NDArray[np.float64]
 
 
 def read_points(
@@ -294,22 +322,18 @@ def read_points(
         part = np.flatnonzero(light_samples == count)
         direct = direct_at_points(scene, position[part], normal[part], int(count), seed + int(count))
         irradiance[part] = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
-    enclosed = np.zeros(n)
+    enclosed, ended_on_rows = np.zeros(n), np.zeros(n)
+    change = np.zeros((n, used))
     for part, count in _batches(gather_samples):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
         points = upload_points(scene, position[part], normal[part])
-        reflected, enclosed[part] = _gather(
-            scene,
-            elements,
-            light,
-            points,
-            count,
-            batch_seed,
-            rules,
-            None if guide is None else scene.device.upload(guide[part]),
-        )
-        irradiance[part] += reflected[:, :used]
-    return ReadingSamples(irradiance, enclosed)
+        tables = None if guide is None else scene.device.upload(guide[part])
+        gathered = _gather(scene, elements, light, points, count, batch_seed, rules, tables)
+        irradiance[part] += gathered.irradiance[:, :used]
+        enclosed[part], ended_on_rows[part] = gathered.enclosed, gathered.ended_on_rows
+        if gathered.coarse_change is not None:
+            change[part] = gathered.coarse_change[:, :used]
+    return ReadingSamples(irradiance, enclosed, None if light.coarse_change is None else change, ended_on_rows)
 
 
 def _gather(
@@ -321,19 +345,33 @@ def _gather(
     seed: int,
     rules: PathRules,
     guide: DeviceArray | None,
-) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Reflected light (n_points, 8 n_groups) by `count` paths each, and the share of them that began inside a solid."""
+) -> ReadingSamples:
+    """Reflected light by `count` paths each; arrays with (n_points, 8 n_groups) columns."""
     paths = trace_paths(scene, elements, light, points, count, seed, rules, guide=guide)
-    irradiance = reflected_light(scene, paths, light)[0]
+    traced = [paths]
     row = scene.device.fetch(paths.row).reshape(points.n, count)
     long = np.flatnonzero(row == LONG)
     if len(long):
-        more = trace_paths(scene, elements, light, points, count, seed, rules, guide=guide, only=long, last_chance=True)
-        irradiance += reflected_light(scene, more, light)[0]
+        traced.append(
+            trace_paths(scene, elements, light, points, count, seed, rules, guide=guide, only=long, last_chance=True)
+        )
+    change = light.coarse_change
+    return ReadingSamples(
+        irradiance=np.sum([reflected_light(scene, some, light)[0] for some in traced], axis=0),
+        enclosed=_enclosed(scene, paths, row),
+        coarse_change=None
+        if change is None
+        else np.sum([changed_light(scene, some, light, change) for some in traced], axis=0),
+        ended_on_rows=(row < UNLIT).mean(axis=1),
+    )
+
+
+def _enclosed(scene: DeviceScene, paths: PathSamples, row: NDArray[np.uint32]) -> NDArray[np.float64]:
+    """(n_points,) share of the paths that began inside a solid."""
     if not (row == COVERED).any():
-        return irradiance, np.zeros(points.n)
-    first_hit = scene.device.fetch(paths.paint)[:, 0].reshape(points.n, count)
-    return irradiance, ((first_hit == NONE) & (row == COVERED)).mean(axis=1)
+        return np.zeros(len(row))
+    first_hit = scene.device.fetch(paths.paint)[:, 0].reshape(row.shape)
+    return np.asarray(((first_hit == NONE) & (row == COVERED)).mean(axis=1))
 
 
 def _batches(samples: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.int64], int]]:

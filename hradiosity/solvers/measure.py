@@ -24,9 +24,13 @@ class Sets:
 
     def norms(self, x: Columns) -> NDArray[np.float64]:
         """Euclidean norm of each set and column, (n_sets, n_columns)."""
+        return np.sqrt(self.dots(x, x))
+
+    def dots(self, x: Columns, y: Columns) -> NDArray[np.float64]:
+        """Product of each set and column, (n_sets, n_columns)."""
         if len(self._rows) == 1:
-            return np.sqrt(column_dot(x, x))[None]
-        return np.sqrt([column_dot(part, part) for part in (x[rows] for rows in self._rows)])
+            return column_dot(x, y)[None]
+        return np.array([column_dot(x[rows], y[rows]) for rows in self._rows])
 
     def largest(self, x: Columns) -> Columns:
         """Largest |x| in each row's set, (n_rows, n_columns); (1, n_columns) if all are one set."""

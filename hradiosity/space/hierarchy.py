@@ -182,7 +182,7 @@ def _group_rows(
     single = count[patch] == 1
     normal = patches.normal[patch] * np.where(side == 0, 1.0, -1.0)[:, None]
     cube = np.floor((patches.centroid[patch] - patches.bounds()[0]) / size + 1e-6).astype(np.int64)
-    kind = np.column_stack([paint.ravel()[cell_side], space.ravel()[cell_side], _direction_class(normal), cube])
+    kind = np.column_stack([paint.ravel()[cell_side], space.ravel()[cell_side], direction_class(normal), cube])
     kind[~single] = -1
     kind[~single, 0] = -1 - np.flatnonzero(~single)
     _, first, group = np.unique(kind, axis=0, return_index=True, return_inverse=True)
@@ -192,7 +192,7 @@ def _group_rows(
     return row
 
 
-def _direction_class(normal: NDArray[np.float64]) -> NDArray[np.int64]:
+def direction_class(normal: NDArray[np.float64]) -> NDArray[np.int64]:
     """Number of the direction's part of a cube map with 3 × 3 parts a face, each less than 45° wide."""
     axis = np.argmax(np.abs(normal) > np.abs(normal).max(axis=1, keepdims=True) - 1e-9, axis=1)
     rows = np.arange(len(normal))

@@ -110,7 +110,7 @@ class Nodes:
 
 
 @dataclass(frozen=True)
-class _Squares:
+class Squares:
     """Nodes of one level that lie on one grid each.
 
     frames : their places, in steps of the side's grid at this level
@@ -139,10 +139,10 @@ def build_nodes(patches: Patches, elements: Elements) -> Nodes:
     order = elements.row_cell.astype(np.int64)
     facets = [_facets(patches, elements.cell_side[order].astype(np.int64), corners[order], is_triangle[order])]
     facet_start = [elements.row_start.astype(np.int64)]
-    squares = _leaf_squares(patches, elements)
+    squares = leaf_squares(patches, elements)
     parent, level_start = [np.full(n_rows, ROOT)], [0, n_rows]
     while len(squares):
-        above, parents = _merged(squares, level_start[-1])
+        above, parents = merged_squares(squares, level_start[-1])
         all_parents = np.concatenate(parent)
         all_parents[squares.node] = parents
         parent = [all_parents, np.full(len(above), ROOT)]
@@ -164,15 +164,15 @@ def build_nodes(patches: Patches, elements: Elements) -> Nodes:
     )
 
 
-def _leaf_squares(patches: Patches, elements: Elements) -> _Squares:
+def leaf_squares(patches: Patches, elements: Elements) -> Squares:
     """The row elements that are single cells of cut sides."""
     frames = cell_frames(elements, patches.is_triangle)
     divisions = elements.divisions.astype(np.int64)[frames.side // 2]
     cut = np.flatnonzero(divisions.max(axis=1, initial=0) > 1)
-    return _Squares(_taken(frames, cut), divisions[cut], divisions[cut], elements.cell_row[cut].astype(np.int64))
+    return Squares(_taken(frames, cut), divisions[cut], divisions[cut], elements.cell_row[cut].astype(np.int64))
 
 
-def _merged(squares: _Squares, first_node: int) -> tuple[_Squares, NDArray[np.int64]]:
+def merged_squares(squares: Squares, first_node: int) -> tuple[Squares, NDArray[np.int64]]:
     """The squares of the next level, and which of their nodes (n,) each square merges into."""
     frames, divisions = squares.frames, squares.divisions
     odd = frames.is_triangle & (divisions[:, 0] % 2 == 1)
@@ -191,13 +191,13 @@ def _merged(squares: _Squares, first_node: int) -> tuple[_Squares, NDArray[np.in
         is_triangle=frames.is_triangle[first],
     )
     node = first_node + np.arange(len(first))
-    return _Squares(above, coarser[first], squares.finest[first], node), first_node + group.ravel()
+    return Squares(above, coarser[first], squares.finest[first], node), first_node + group.ravel()
 
 
-def _unfinished(squares: _Squares) -> _Squares:
+def _unfinished(squares: Squares) -> Squares:
     """Those that are not whole sides yet."""
     rest = np.flatnonzero(squares.divisions.max(axis=1, initial=0) > 1)
-    return _Squares(_taken(squares.frames, rest), squares.divisions[rest], squares.finest[rest], squares.node[rest])
+    return Squares(_taken(squares.frames, rest), squares.divisions[rest], squares.finest[rest], squares.node[rest])
 
 
 def _taken(frames: CellFrames, chosen: NDArray[np.int64]) -> CellFrames:
@@ -213,7 +213,7 @@ def _facets(
     return Facets(corners, is_triangle, normal, area, side)
 
 
-def _square_facets(patches: Patches, squares: _Squares, width: int) -> Facets:
+def _square_facets(patches: Patches, squares: Squares, width: int) -> Facets:
     """One facet a square of `width` cells; the last ones of a grid may end before."""
     frames = squares.frames
     offset = CELL_CORNERS[frames.is_triangle.astype(np.int64)]

@@ -11,12 +11,12 @@ from pathlib import Path
 from typing import Any, cast
 
 from hradiosity.device import Device
+from hradiosity.estimate import student_quantile
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
 from hradiosity.options import QUALITIES, Options, Quality
 from hradiosity.radiosity import make_solver
 from hradiosity.radiosity.referee import RefereeState
-from hradiosity.readings.interval import student_quantile
 from hradiosity.readings.paths import SCRAMBLES
 from hradiosity.solution import Readings
 from hradiosity.suites.compare import Comparison, compare

@@ -12,11 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
+from hradiosity.estimate import student_quantile
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
 from hradiosity.options import FormFactorName, Options
 from hradiosity.radiosity import RadiositySolver, make_solver
-from hradiosity.readings.interval import student_quantile
 from hradiosity.readings.paths import SCRAMBLES
 from hradiosity.solution import Readings, Solution
 from hradiosity.suites.compare import compare

@@ -8,21 +8,29 @@ import numpy as np
 import pytest
 
 from hradiosity.errors import SceneError
+from hradiosity.estimate import Estimate, student_quantile
 from hradiosity.options import Options
 from hradiosity.solution import Readings
 from hradiosity.suites.cost import running
 from hradiosity.suites.cost.budget import Budget
 from hradiosity.suites.cost.combine import Change, propose
 from hradiosity.suites.cost.errors import Error, error_of, without_noise
+from hradiosity.suites.cost.files import bands_table
 from hradiosity.suites.cost.pareto import pareto_front, quote, quotes
 from hradiosity.suites.cost.pricing import Truth, bands_prices, effect_price, largest_spread, prices
 from hradiosity.suites.cost.running import CostRun
 from hradiosity.suites.cost.settings import classic, combined, methods, qualities, single_knobs
-from hradiosity.suites.cost.values import Price, Report, Run, Skipped
-from hradiosity.suites.cost.words import markdown, price_rows, recommendation, seconds_text, share_text
+from hradiosity.suites.cost.values import BandsPrice, Price, Report, Run, Skipped
+from hradiosity.suites.cost.words import bands_rows, markdown, price_rows, recommendation, seconds_text, share_text
 from hradiosity.suites.cost.work import predict, work_of
 
 N, BANDS = 40, 3
+
+
+def known(value, spread=0.0):
+    """An estimate whose half width at 95 % is `spread` over value."""
+    value = np.asarray(value, float)
+    return Estimate(value, spread * value / student_quantile(0.95, 3), 3)
 
 
 def readings_of(lux, spread=0.0, count=4):
@@ -35,16 +43,17 @@ def readings_of(lux, spread=0.0, count=4):
             sensor="desk",
             position=place,
             normal=place,
-            irradiance=spectra,
-            half_width=spread * spectra,
-            illuminance=lux,
-            illuminance_half_width=spread * lux,
-            mean_illuminance=float(lux.mean()),
-            mean_illuminance_half_width=0.0,
-            uniformity_half_width=0.0,
-            chromaticity=np.full((len(lux), 2), 1 / 3),
-            chromaticity_half_width=np.zeros((len(lux), 2)),
             enclosed=np.zeros(len(lux)),
+            numbers={
+                "irradiance": known(spectra, spread),
+                "illuminance": known(lux, spread),
+                "mean_illuminance": known(lux.mean()),
+                "uniformity": known(lux.min() / lux.mean()),
+                "chromaticity": known(np.full((len(lux), 2), 1 / 3)),
+                "cct_k": known(np.where(lux > 0, 4000.0 + lux, np.nan)),
+                "ra": known(np.where(lux > 0, 80.0 + lux, np.nan)),
+                "melanopic_edi_lx": known(0.5 * lux),
+            },
         )
     }
 
@@ -239,6 +248,41 @@ def test_effects_and_bands():
     few, many = bands_prices([(401, 401, usual), (9, 9, forced)])
     assert (few.bands, many.bands) == (9, 401)
     assert few.mean_illuminance == pytest.approx(0.1) and many.illuminance == 0.0 and few.chromaticity == 0.0
+    assert (few.cct, few.ra, few.melanopic) == pytest.approx((0.1, 0.1, 0.1)) and many.cct == many.ra == 0.0
+
+
+def test_bands_in_words_and_tables():
+    """The fewest bands that change colour and the eye by little are recommended."""
+    many = BandsPrice(401, 401, 4.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    some = BandsPrice(24, 24, 2.0, 0.01, 1e-3, 1e-4, 12.3, 0.44, -2e-3)
+    few = BandsPrice(9, 9, 1.0, 0.05, 0.03, 0.01, 300.0, 4.0, 0.05)
+    told = replace(report([]), bands=(few, some, many))
+    rows = bands_rows(told)
+    assert rows[2] == ("24", "24", "2", "1 %", "+0.1 %", "0.0001", "12", "0.44", "-0.2 %")
+    assert rows[3][3:] == ("reference",) * 6
+    whole = replace(told, prices=(price(qualities()[0], 1.0, 0.1),))
+    line = recommendation(whole)[-1]
+    assert line.startswith("24 bands serve colour and the eye like 401: they change colour temperatures by 12 K, Ra by")
+    assert "2 s against 4 s" in line
+    assert recommendation(replace(whole, bands=(few, many)))[-1].startswith("no fewer bands than 401")
+    assert not any("bands" in line for line in recommendation(replace(whole, bands=(many,))))
+    csv = bands_table((few, some, many)).decode().splitlines()
+    assert csv[2] == "24,24,2.0,0.01,0.001,0.0001,12.3,0.44,-0.002" and csv[0].startswith("bands,columns,cpu_s")
+
+
+def test_numbers_that_no_reading_has_are_left_out():
+    """A green room has no colour temperature."""
+    many = BandsPrice(401, 401, 4.0, 0.0, 0.0, 0.0, math.nan, math.nan, 0.0)
+    few = BandsPrice(9, 9, 1.0, 0.0, 0.0, 0.0, math.nan, math.nan, 1e-3)
+    whole = replace(report([price(qualities()[0], 1.0, 0.1)]), bands=(few, many))
+    assert bands_rows(whole)[1][6:8] == ("none", "none")
+    assert "temperature" not in recommendation(whole)[-1] and recommendation(whole)[-1].startswith("9 bands serve")
+    assert bands_table((few,)).decode().splitlines()[1].endswith(",,,0.001")
+    draft = qualities()[0]
+    dark = run_of(draft, np.full(N, 0.1), 1.0)
+    for number in ("cct_k", "ra"):
+        dark.readings["desk"].numbers[number].value[:] = np.nan
+    assert math.isnan(bands_prices([(9, 9, dark)])[0].cct)
 
 
 def test_spread_is_that_of_one_replicate():

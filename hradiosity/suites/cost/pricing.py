@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.readings.interval import student_quantile
+from hradiosity.estimate import student_quantile
 from hradiosity.readings.paths import SCRAMBLES
 from hradiosity.solution import Readings
 from hradiosity.suites.compare import counted_bands
@@ -127,24 +128,31 @@ def bands_prices(found: Sequence[tuple[int, int, Run]]) -> list[BandsPrice]:
     if not found:
         return []
     best = max(found, key=lambda item: item[0])[2].readings
+    return [_bands_price(bands, columns, run, best) for bands, columns, run in sorted(found, key=lambda item: item[0])]
+
+
+def _bands_price(bands: int, columns: int, run: Run, best: Found) -> BandsPrice:
+    """One number of bands against the readings with the most; dark readings are left out."""
     names = tuple(best)
-    lux, xy = _joined(best, names, "illuminance"), _joined(best, names, "chromaticity")
-    lit = lux > 0.0
-    out = []
-    for bands, columns, run in sorted(found, key=lambda item: item[0]):
-        ours = _joined(run.readings, names, "illuminance")[lit]
-        shift = np.abs(_joined(run.readings, names, "chromaticity")[lit] - xy[lit]).max(axis=1)
-        out.append(
-            BandsPrice(
-                bands=bands,
-                columns=columns,
-                cpu_seconds=run.cpu_seconds,
-                illuminance=rms(ours / lux[lit] - 1.0),
-                mean_illuminance=float(ours.mean() / lux[lit].mean() - 1.0),
-                chromaticity=rms(shift[np.isfinite(shift)]),
-            )
-        )
-    return out
+    lit = _joined(best, names, "illuminance") > 0.0
+
+    def both(what: str) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        return _numbers(run.readings, names, what)[lit], _numbers(best, names, what)[lit]
+
+    lux, true_lux = both("illuminance")
+    melanopic, true_melanopic = both("melanopic_edi_lx")
+    shift = np.abs(np.subtract(*both("chromaticity"))).max(axis=1)
+    return BandsPrice(
+        bands=bands,
+        columns=columns,
+        cpu_seconds=run.cpu_seconds,
+        illuminance=rms(lux / true_lux - 1.0),
+        mean_illuminance=float(lux.mean() / true_lux.mean() - 1.0),
+        chromaticity=rms(shift[np.isfinite(shift)]),
+        cct=_rms_where_known(np.subtract(*both("cct_k"))),
+        ra=_rms_where_known(np.subtract(*both("ra"))),
+        melanopic=float(melanopic.mean() / true_melanopic.mean() - 1.0) if true_melanopic.any() else math.nan,
+    )
 
 
 def largest_spread(runs: Sequence[Run]) -> float:
@@ -183,6 +191,17 @@ def _price(runs: Sequence[Run], truth: Truth) -> Price:
         bias=float(np.mean([d.mean() for d in lux])),
         sampling=rms(np.array([truth.sampling(run) for run in runs])),
     )
+
+
+def _rms_where_known(values: NDArray[np.float64]) -> float:
+    """Root mean square of what isn't NaN; NaN of nothing."""
+    known = values[np.isfinite(values)]
+    return rms(known) if known.size else math.nan
+
+
+def _numbers(found: Found, names: Sequence[str], what: str) -> NDArray[np.float64]:
+    """A derived number of all sensors, one after another."""
+    return np.concatenate([found[name].numbers[what].value for name in names])
 
 
 def _joined(found: Found, names: Sequence[str], what: str) -> NDArray[np.float64]:

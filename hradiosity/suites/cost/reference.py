@@ -9,9 +9,9 @@ from typing import Final
 import numpy as np
 
 from hradiosity.device import Device
+from hradiosity.estimate import student_quantile
 from hradiosity.model.scene import Scene
 from hradiosity.radiosity.referee import scramble_moments
-from hradiosity.readings.interval import student_quantile
 from hradiosity.readings.path_scene import prepare_referee
 from hradiosity.readings.paths import ROUND_PATHS, SCRAMBLES, PathSums, PathTotals, RefereeSamples, trace_round
 from hradiosity.solution import Readings
