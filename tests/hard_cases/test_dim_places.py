@@ -1,0 +1,128 @@
+"""Cases 30 to 33: light that comes from afar, round corners, through a slit, or not at all."""
+
+from dataclasses import replace
+
+import numpy as np
+from rooms import SceneBuilder
+from truths import QUICK, assert_agrees, only, read, rectangle_factor, unbiased
+
+from hradiosity.model.scene import Sensor, Sky
+from hradiosity.radiosity import solve
+
+WEST = np.tile([1.0, 0.0, 0.0], (2, 1))
+
+
+def points_on_walls(low, high, n):
+    """Positions and normals of n × n points on each inner face of a box."""
+    low, size = np.array(low, float), np.subtract(high, low).astype(float)
+    u, v = np.meshgrid((np.arange(n) + 0.5) / n, (np.arange(n) + 0.5) / n)
+    position, normal = [], []
+    for axis in range(3):
+        for end in (0.0, 1.0):
+            share = np.insert(np.column_stack([u.ravel(), v.ravel()]), axis, end, axis=1)
+            position.append(low + share * size)
+            normal.append(np.tile((1.0 - 2.0 * end) * np.eye(3)[axis], (n * n, 1)))
+    return np.concatenate(position), np.concatenate(normal)
+
+
+def test_30_bottom_of_a_light_well_twenty_times_as_deep_as_wide(device):
+    """Sky straight from above by Lambert's formula, in a black well; with reflections against unbiased paths."""
+
+    def well(rho):
+        b = SceneBuilder()
+        b.box((0, 0, 0), (1, 1, 20), b.material(rho), inward=True)
+        b.rows.pop()
+        b.sky = Sky(np.array([1.0]))
+        b.sensor([(0.5, 0.5, 0.0), (0.1, 0.1, 0.0), (0.5, 0.5, 10.0)], (0, 0, 1))
+        return b.scene()
+
+    black = read(well(0.0), device, replace(QUICK, gather_samples=65536))
+    exact = [np.pi * rectangle_factor(p, (0, 0, 1), (0, 0, 20), (1, 0, 0), (0, 1, 0)) for p in black.position]
+    error = np.abs(black.irradiance[:, 0] - exact)
+    assert (error <= np.maximum(black.half_width[:, 0], 0.05 * np.array(exact))).all()
+    scene = well(0.7)
+    found = read(scene, device)
+    truth = unbiased(scene, device, 65536)
+    assert_agrees(found, truth, bias=0.03)
+    assert (found.half_width > 0.0).all()
+
+
+def test_30_far_end_of_a_corridor(device):
+    b = SceneBuilder()
+    paint = b.material(0.5)
+    b.box((0, 0, 0), (40, 2, 2), paint, inward=True)
+    b.lamp(b.patch((0.2, 0.5, 1.95), (0, 1, 0), (1, 0, 0), paint), 1000.0)
+    b.box((2, 0, 0), (2.1, 1.5, 2), paint, solid=True)
+    b.sensor([(10, 1, 0.5), (25, 1, 0.5), (39.5, 1, 0.5)], (0, 0, 1))
+    scene = b.scene()
+    found = read(scene, device)
+    truth = unbiased(scene, device, 1 << 17)
+    assert_agrees(found, truth, bias=0.03)
+    relative = (found.half_width / found.irradiance)[:, 0]
+    assert (found.irradiance > 0.0).all() and relative[2] > relative[0]
+
+
+def maze():
+    """Four rooms in a row whose doors lie at alternate ends: the last one sees no wall that the lamp sees."""
+    b = SceneBuilder()
+    paint = b.material(0.8)
+    b.box((0, 0, 0), (8, 3, 2.5), paint, inward=True)
+    for k, x in enumerate((2.0, 4.0, 6.0)):
+        low = 0.6 if k % 2 else 0.0
+        b.box((x - 0.05, low, 0), (x + 0.05, low + 2.4, 2.5), paint, solid=True)
+    b.lamp(b.patch((0.5, 0.5, 2.45), (0, 1, 0), (1, 0, 0), paint), 1000.0)
+    b.sensor([(7.0, 2.5, 0.8), (7.0, 0.5, 0.8), (5.0, 2.5, 0.8)], (0, 0, 1))
+    return b.scene()
+
+
+def test_31_light_of_three_bounces_or_more_in_a_maze(device):
+    scene = maze()
+    found = read(scene, device, replace(QUICK, rays_per_element=512))
+    assert not only(solve(scene, replace(QUICK, interreflection=False), device)).irradiance.any()
+    truth = unbiased(scene, device, 1 << 17)
+    assert_agrees(found, truth, bias=0.05)
+    assert (found.irradiance > 0.0).all()
+
+
+def test_32_two_bright_rooms_through_a_slit_of_a_millimetre(device):
+    """What the dim room absorbs, (1 − ρ) S Ē, came in through the slit of area s: s times the irradiance there."""
+    rho, slit = 0.9, 1e-3
+    b = SceneBuilder()
+    paint = b.material(rho)
+    b.box((0, 0, 0), (2, 1, 1), paint, inward=True)
+    b.patch((1, 0, 0), (0, 0.5, 0), (0, 0, 1), paint)
+    b.patch((1, 0.5 + slit, 0), (0, 0.5 - slit, 0), (0, 0, 1), paint)
+    b.lamp(b.patch((0.25, 0.25, 0.98), (0, 0.5, 0), (0.5, 0, 0), paint), 1000.0)
+    in_slit = replace(b.scene(), sensors=(Sensor("slit", np.array([[1.0, 0.5005, z] for z in (0.25, 0.75)]), -WEST),))
+    arriving = unbiased(in_slit, device, 16384).irradiance.mean()
+    b.sensor(*points_on_walls((1, 0, 0), (2, 1, 1), 4))
+    solution = solve(b.scene(), QUICK, device)
+    found = only(solution)
+    expected = slit * arriving / ((1.0 - rho) * 6.0 + slit)
+    mean, width = found.irradiance.mean(), found.mean_illuminance_half_width / found.mean_illuminance
+    assert abs(mean - expected) <= width * mean
+    assert width < 1.0
+    assert max(c["products"] - c["deflated"] for c in solution.record["solver"]) <= 15
+
+
+def two_sealed_rooms(both):
+    b = SceneBuilder()
+    grey = b.material(0.7)
+    lit = b.box((0, 0, 0), (1, 1, 1), grey, inward=True)
+    if both:
+        b.box((1, 0, 0), (2, 1, 1), grey, inward=True)
+    b.lamp(lit[5], 1.0)
+    b.sensor((0.5, 0.5, 0.5), (0, 0, 1))
+    if both:
+        b.sensor([(1.5, 0.5, 0.5), (1.001, 0.5, 0.001)], (0, 0, 1))
+    return b.scene()
+
+
+def test_33_of_two_sealed_rooms_the_dark_one_is_exactly_dark(device):
+    """No link joins them, and the lit one has the light that it has alone."""
+    solution = solve(two_sealed_rooms(True), QUICK, device)
+    lit, dark = solution.readings.values()
+    assert not dark.irradiance.any() and not dark.half_width.any()
+    assert len(set(solution.surfaces.space.tolist())) == 1
+    alone = only(solve(two_sealed_rooms(False), replace(QUICK, element_size=solution.plan.element_size), device))
+    np.testing.assert_allclose(lit.irradiance, alone.irradiance, rtol=0.02)
