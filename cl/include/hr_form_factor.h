@@ -34,7 +34,7 @@ HR_FORCE_INLINE float hr_edge_term(const float3 n, const float3 r, const float3 
 }
 
 /* Form factor of the point with unit normal n to the polygon with corners r[k] (seen from the point), by Lambert's
-   formula over the part above the horizon. Positive whatever the winding. [1] */
+   formula over the part above the horizon. Positive whatever the winding; rounding does not exceed 1. [1] */
 HR_FORCE_INLINE float hr_polygon_factor(const float3 n, const float3 *r, const uint count)
 {
     float sum = 0.0f;
@@ -67,7 +67,7 @@ HR_FORCE_INLINE float hr_polygon_factor(const float3 n, const float3 *r, const u
         if (hr_dot(along, along) > 0.0f)
             sum += hr_edge_term(n, last, along);
     }
-    return 0.5f * HR_INV_PI * hr_magnitude(sum);
+    return hr_smaller(0.5f * HR_INV_PI * hr_magnitude(sum), 1.0f);
 }
 
 /* Lambert's formula when all corners are above the horizon, with the edges as given and not as differences. */
@@ -76,7 +76,7 @@ HR_FORCE_INLINE float hr_visible_polygon_factor(const float3 n, const float3 *r,
     float sum = 0.0f;
     for (uint k = 0; k < count; ++k)
         sum += hr_edge_term(n, r[k], e[k]);
-    return 0.5f * HR_INV_PI * hr_magnitude(sum);
+    return hr_smaller(0.5f * HR_INV_PI * hr_magnitude(sum), 1.0f);
 }
 
 /* cos cos / (pi r^2) between a point with unit normal n and one at offset d with unit normal m. [m^-2] */

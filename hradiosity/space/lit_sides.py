@@ -129,8 +129,8 @@ def _trace_from_sides(patches: Patches, bvh: Bvh, rng: np.random.Generator) -> _
     normal = patches.normal[patch] * np.where(side % 2 == BACK, -1.0, 1.0)[:, None]
     direction = normal + _random_directions(rng, len(side))
     direction /= np.maximum(np.linalg.norm(direction, axis=1, keepdims=True), 1e-12)
-    reach = 2.0**-20 * max(float(np.abs(patches.corners()).max(initial=0.0)), bvh.scale)
-    start = point + reach * normal
+    # Of the scene's size and not of its world coordinates: a scene a million metres off would be jumped over.
+    start = point + 2.0**-20 * bvh.scale * normal
     hits = trace_closest(bvh, start, direction, skip_patch=patch)
     missed = hits.patch < 0
     target = np.where(missed, 0, hits.patch).astype(np.int64)

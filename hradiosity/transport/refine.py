@@ -246,8 +246,7 @@ class _Vertices:
         if not len(position) or not (solid >= 0).any():
             return np.zeros(len(position), np.bool_)
         bvh = self._on_device.bvh
-        origin = position + 2.0**-20 * np.maximum(bvh.scale, np.abs(position).max()) * normal
-        hits = trace_closest(bvh, origin, normal)
+        hits = trace_closest(bvh, position + 2.0**-20 * bvh.scale * normal, normal)
         inside: NDArray[np.bool_] = (hits.patch >= 0) & (hits.side == BACK) & (solid[hits.patch] >= 0)
         return inside
 
