@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from hradiosity.io.mending.scene_copy import CannotMend, SceneCopy
 from hradiosity.io.mending.stitching import open_edges, stitched
 from hradiosity.model.geometry import NONE
+from hradiosity.model.solids import find_solids
 from hradiosity.space.check import Finding, Subject
 from hradiosity.space.check.coincident import DUPLICATE, LAMP, SHEET, WORDS, lit_pairs, smaller_of
 from hradiosity.space.check.finding import at
@@ -118,10 +119,10 @@ def _moved(subject: Subject, pairs: Coplanar, rows: NDArray[np.int64], kind: int
         if names[0] == names[1]:
             raise CannotMend("both faces belong to one object")
         for patch, name in zip(patches, names, strict=True):
-            if _is_sheet(subject, name) or _is_solid(subject, name):
+            if _is_sheet(subject, name) or _is_closed(subject, name):
                 scene.move(name, distance * subject.normal[patch])
                 return name
-        raise CannotMend("neither is a sheet or a solid that could be moved as a whole")
+        raise CannotMend("neither is a sheet or a closed body that could be moved as a whole")
 
     done = f"moved '{names[0]}' by {1e3 * distance:g} mm off '{names[1]}', at {at(pairs.place[worst])}"
     return Repair(WORDS[kind].kind, (names[0], names[1]), done, apply)
@@ -193,7 +194,9 @@ def _is_sheet(subject: Subject, name: str) -> bool:
     return bool((normal @ normal[0] > 1.0 - _FLAT).all() and np.abs(height).max() <= _FLAT * subject.size)
 
 
-def _is_solid(subject: Subject, name: str) -> bool:
-    """Whether all faces of an object bound solids."""
-    own = subject.scene.patches.object == subject.scene.objects.index(name)
-    return bool((subject.scene.patches.solid[own] != NONE).all())
+def _is_closed(subject: Subject, name: str) -> bool:
+    """Whether all faces of an object belong to closed shells, whichever way they face."""
+    patches = subject.scene.patches
+    own = np.flatnonzero(patches.object == subject.scene.objects.index(name))
+    shells = find_solids(subject.corners[own], patches.is_triangle[own], patches.object[own])
+    return bool(((shells.solid != NONE) | (shells.inward != NONE)).all())
