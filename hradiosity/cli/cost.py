@@ -37,9 +37,9 @@ def cost(
 ) -> int:
     """Show what accuracy costs in time on a scene: settings, solvers, effects and bands against unbiased paths.
 
-    Writes a table (cost.csv, cost.json, cost.md) and a picture (cost.png), and recommends settings. Ctrl-C writes
-    what is known. Plan and render --accuracy use what was learnt. Once more into the same folder, the referee's paths
-    of before count as well.
+    Writes tables (cost.csv, bands.csv, cost.json, cost.md) and a picture (cost.png), and recommends settings. Ctrl-C
+    writes what is known. Plan and render --accuracy use what was learnt. Once more into the same folder, the
+    referee's paths of before count as well.
 
     Exit status: 0 good, 2 bad input, 130 interrupted.
 
@@ -149,7 +149,7 @@ def _finish(report: Report, folder: Path, partial: Path, display: Display) -> No
         write_file(partial / RUN_FILE, (to_json(record, indent=1) + "\n").encode())
         publish(folder)
     display.lines(["", *markdown_lines(report), ""])
-    display.lines([f"results are in {folder}: cost.png, cost.csv, cost.json, cost.md"])
+    display.lines([f"results are in {folder}: cost.png, cost.csv, bands.csv, cost.json, cost.md"])
     display.data("result", {"state": state, "out": str(folder), **cost_record(report)})
 
 

@@ -66,12 +66,19 @@ class CostPoint:
 
 @dataclass(frozen=True)
 class BandsPoint:
-    """One number of bands; mean illuminance and chromaticity as changes against the most bands."""
+    """One number of bands; the rest are changes against the most bands.
+
+    illuminance, melanopic : of the means, relative
+    chromaticity, cct, ra : root mean square; NaN where no reading has such a number
+    """
 
     bands: int
     seconds: float
     illuminance: float
     chromaticity: float
+    cct: float
+    ra: float
+    melanopic: float
 
 
 @dataclass(frozen=True)
@@ -233,12 +240,16 @@ def _bands(axes: Axes, bands: Sequence[BandsPoint]) -> None:
     """Change by fewer bands; seconds of each number beside its mark."""
     others = bands[:-1]
     count = [b.bands for b in others]
-    axes.plot(
-        count, [max(100.0 * b.illuminance, 1e-4) for b in others], "o-", color="#0072B2", label="mean illuminance, %"
+    lines = (
+        ("mean illuminance, %", [100.0 * b.illuminance for b in others], "o-", "#0072B2"),
+        ("x, y in thousandths", [1000.0 * b.chromaticity for b in others], "s--", "#D55E00"),
+        ("CCT in 10 K", [0.1 * b.cct for b in others], "^-.", "#E69F00"),
+        ("Ra", [b.ra for b in others], "D:", "#CC79A7"),
+        ("mean melanopic EDI, %", [100.0 * b.melanopic for b in others], "v-", "#009E73"),
     )
-    axes.plot(
-        count, [max(1000.0 * b.chromaticity, 1e-4) for b in others], "s--", color="#D55E00", label="x, y in thousandths"
-    )
+    for label, values, style, colour in lines:
+        if any(math.isfinite(value) for value in values):
+            axes.plot(count, [max(value, 1e-4) for value in values], style, color=colour, label=label)
     axes.set(xscale="log", yscale="log", xlabel="bands (CPU seconds of a draft below)")
     axes.set_title(f"change against {bands[-1].bands} bands ({bands[-1].seconds:.2g} s)")
     from matplotlib.ticker import FixedLocator, NullLocator

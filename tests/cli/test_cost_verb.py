@@ -13,7 +13,7 @@ from hradiosity.suites.cost.budget import Budget
 from hradiosity.suites.cost.files import COLUMNS
 from hradiosity.suites.cost.running import CostRun
 
-FILES = {"cost.csv", "cost.json", "cost.md", "cost.png", "referee.npz", "run.json"}
+FILES = {"bands.csv", "cost.csv", "cost.json", "cost.md", "cost.png", "referee.npz", "run.json"}
 
 
 @pytest.fixture(autouse=True)
@@ -47,6 +47,9 @@ def test_from_scene_to_report(call, room, tmp_path, monkeypatch):
     assert record["complete"] and record["recommendation"] and record["paths"] > 0
     assert [s["name"] for s in record["solvers"]] == ["cg", "jacobi"] and len(record["effects"]) == 4
     assert [b["bands"] for b in record["bands"]] == [9, 24]
+    assert record["bands"][0]["cct"] > 0.0 and abs(record["bands"][0]["melanopic"]) < 0.2
+    rows = list(csv.DictReader(io.StringIO((out / "bands.csv").read_text(encoding="utf-8"))))
+    assert [row["bands"] for row in rows] == ["9", "24"] and float(rows[0]["ra_rms"]) > 0.0
     assert "| setting" in outcome.out and "referee:" in outcome.out
     assert np.asarray(Image.open(out / "cost.png")).std() > 10.0
     wanted = "accuracy 5 %: about"

@@ -1,6 +1,7 @@
 """The picture of prices: there for any report, and legible."""
 
 import io
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -22,7 +23,8 @@ def point(group, seconds, error, **changes):
 
 
 EVERY = [point(group, 1.0 + k, 0.1 / (1 + k)) for k, group in enumerate(GROUPS)]
-BANDS = [BandsPoint(9, 1.0, 0.01, 0.002), BandsPoint(401, 4.0, 0.0, 0.0)]
+BANDS = [BandsPoint(9, 1.0, 0.01, 0.002, 80.0, 2.0, 0.03), BandsPoint(401, 4.0, *[0.0] * 5)]
+COLOURLESS = [BandsPoint(9, 1.0, 0.01, 0.002, math.nan, math.nan, math.nan), BANDS[1]]
 
 
 def pixels(picture):
@@ -34,6 +36,7 @@ def pixels(picture):
     [
         CostPicture("all", EVERY, 0.002, 0.003, BANDS),
         CostPicture("one", EVERY[:1], 0.2, 0.3, []),
+        CostPicture("no colour", EVERY[:3], 0.2, 0.3, COLOURLESS),
         CostPicture("no noise", EVERY[:2], 0.0, 0.0, BANDS[:1]),
         CostPicture("no memory", [replace(p, memory_bytes=None) for p in EVERY], 0.002, 0.002, []),
         CostPicture("hidden", [replace(p, illuminance_hidden=True, on_front=False) for p in EVERY], 0.5, 0.5, []),

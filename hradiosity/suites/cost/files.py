@@ -1,10 +1,11 @@
-"""The report on disk: ``cost.csv``, ``cost.json``, ``cost.md``, ``cost.png``."""
+"""The report on disk: ``cost.csv``, ``bands.csv``, ``cost.json``, ``cost.md``, ``cost.png``."""
 
 from __future__ import annotations
 
 import csv
 import io
-from collections.abc import Iterable
+import math
+from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,7 +16,7 @@ from hradiosity.show.cost_plot import BandsPoint, CostPicture, CostPoint, draw_c
 from hradiosity.suites.cost.pareto import pareto_front, quotes
 from hradiosity.suites.cost.pricing import costs_and_errors, front_of
 from hradiosity.suites.cost.settings import efforts_of
-from hradiosity.suites.cost.values import Price, Report
+from hradiosity.suites.cost.values import BandsPrice, Price, Report
 from hradiosity.suites.cost.words import (
     Rows,
     bands_rows,
@@ -34,6 +35,10 @@ COLUMNS = (
     *("illuminance_rms", "illuminance_p95", "illuminance_max", "illuminance_below_noise"),
     *("spectrum_rms", "spectrum_p95", "spectrum_max", "spectrum_below_noise", "bias", "sampling"),
 )
+BANDS_COLUMNS = (
+    *("bands", "columns", "cpu_s", "illuminance_rms", "mean_illuminance", "chromaticity_rms"),
+    *("cct_rms_k", "ra_rms", "mean_melanopic_edi"),
+)
 
 
 def write_cost(folder: Path, report: Report) -> None:
@@ -45,6 +50,7 @@ def write_cost(folder: Path, report: Report) -> None:
         When one can't be written.
     """
     write_file(folder / "cost.csv", cost_table(report.prices))
+    write_file(folder / "bands.csv", bands_table(report.bands))
     write_file(folder / "cost.json", (to_json(cost_record(report), indent=1) + "\n").encode())
     write_file(folder / "cost.md", "\n".join([*markdown_lines(report), ""]).encode())
     write_file(folder / "cost.png", draw_costs(picture_of(report)))
@@ -52,11 +58,28 @@ def write_cost(folder: Path, report: Report) -> None:
 
 def cost_table(found: Iterable[Price]) -> bytes:
     """``cost.csv``: one row a setting; errors and bias relative, without the referee's noise."""
+    return _csv(COLUMNS, map(_cells, found))
+
+
+def bands_table(found: Iterable[BandsPrice]) -> bytes:
+    """``bands.csv``: one row a number of bands; changes against the last row, powers relative, empty if unknown."""
+    rows = (
+        (
+            *(price.bands, price.columns, _short(price.cpu_seconds)),
+            *(_short(price.illuminance), _short(price.mean_illuminance), _short(price.chromaticity)),
+            *(_short(x) if math.isfinite(x) else "" for x in (price.cct, price.ra, price.melanopic)),
+        )
+        for price in found
+    )
+    return _csv(BANDS_COLUMNS, rows)
+
+
+def _csv(head: Sequence[str], rows: Iterable[Sequence[Any]]) -> bytes:
+    """A table as a file."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(COLUMNS)
-    for price in found:
-        writer.writerow(_cells(price))
+    writer.writerow(head)
+    writer.writerows(rows)
     return text.getvalue().encode()
 
 
@@ -124,7 +147,10 @@ def picture_of(report: Report) -> CostPicture:
         )
         for k, price in enumerate(report.prices)
     )
-    bands = tuple(BandsPoint(b.bands, b.cpu_seconds, abs(b.mean_illuminance), b.chromaticity) for b in report.bands)
+    bands = tuple(
+        BandsPoint(b.bands, b.cpu_seconds, abs(b.mean_illuminance), b.chromaticity, b.cct, b.ra, abs(b.melanopic))
+        for b in report.bands
+    )
     return CostPicture(report.scene, points, report.noise, report.spectral_noise, bands)
 
 

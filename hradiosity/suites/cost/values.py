@@ -114,6 +114,9 @@ class BandsPrice:
     illuminance, mean_illuminance : relative change against the most bands that were run; root mean square over the
         readings, and of the mean of all readings
     chromaticity : largest change of x or y, root mean square over the readings
+    cct, ra : change of the colour temperature [K] and of Ra, root mean square over the readings that have one; NaN
+        when none has
+    melanopic : relative change of the mean melanopic EDI of all readings
     """
 
     bands: int
@@ -122,6 +125,9 @@ class BandsPrice:
     illuminance: float
     mean_illuminance: float
     chromaticity: float
+    cct: float
+    ra: float
+    melanopic: float
 
 
 @dataclass(frozen=True)

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from typing import Final
 
 from hradiosity.suites.cost.errors import Error
 from hradiosity.suites.cost.pareto import Quote, quotes
 from hradiosity.suites.cost.pricing import costs_and_errors
-from hradiosity.suites.cost.values import Price, Report, Skipped
+from hradiosity.suites.cost.values import BandsPrice, Price, Report, Skipped
 
 Rows = list[tuple[str, ...]]
+NONE: Final = "none"
+"""In place of a number that no reading has."""
+SAME_CCT, SAME_RA, SAME = 25.0, 1.0, 0.01
+"""Changes of colour temperatures [K], of Ra, and of powers that are too small to matter."""
 
 
 def share_text(value: float) -> str:
@@ -39,7 +44,7 @@ def recommendation(report: Report) -> list[str]:
         below = f"no error stands out from the referee's noise of {share_text(report.noise)}"
         return [f"{below}: `{cheapest.setting.flags}` is enough, {seconds_text(cheapest.cpu_seconds)}"]
     lines += _floor_line(report)
-    return [*lines, *_classic_line(found, report.skipped)]
+    return [*lines, *_classic_line(found, report.skipped), *_bands_line(report)]
 
 
 def _quote_line(quote: Quote, found: Sequence[Price]) -> str:
@@ -62,6 +67,32 @@ def _floor_line(report: Report) -> list[str]:
     best = min(hidden, key=lambda price: price.cpu_seconds)
     noise = share_text(report.noise)
     return [f"below {noise}, the referee's own noise: `{best.setting.flags}`, {seconds_text(best.cpu_seconds)}"]
+
+
+def _bands_line(report: Report) -> list[str]:
+    """The fewest bands that serve colour and the eye like the most, if any fewer do."""
+    if len(report.bands) < 2:
+        return []
+    most = report.bands[-1]
+    enough = [b for b in report.bands[:-1] if _serves(b)]
+    if not enough:
+        return [f"no fewer bands than {most.bands} keep colour and the eye: see the table of bands"]
+    few = enough[0]
+    known = [
+        f"colour temperatures by {_plain(few.cct)} K" if math.isfinite(few.cct) else "",
+        f"Ra by {_plain(few.ra)}" if math.isfinite(few.ra) else "",
+        f"mean melanopic EDI by {share_text(abs(few.melanopic))}" if math.isfinite(few.melanopic) else "",
+        f"mean illuminance by {share_text(abs(few.mean_illuminance))}",
+    ]
+    seconds = f"{seconds_text(few.cpu_seconds)} against {seconds_text(most.cpu_seconds)} for drafts"
+    changes = ", ".join(item for item in known if item)
+    return [f"{few.bands} bands serve colour and the eye like {most.bands}: they change {changes} ({seconds})"]
+
+
+def _serves(price: BandsPrice) -> bool:
+    """Whether a change against the most bands is too small to matter; numbers that no reading has don't count."""
+    changes = (price.cct / SAME_CCT, price.ra / SAME_RA, price.melanopic / SAME, price.mean_illuminance / SAME)
+    return all(abs(change) <= 1.0 for change in changes if math.isfinite(change))
 
 
 def _classic_line(found: Sequence[Price], skipped: Sequence[Skipped]) -> list[str]:
@@ -151,7 +182,7 @@ def effect_rows(report: Report) -> Rows:
 
 def bands_rows(report: Report) -> Rows:
     """Numbers of bands."""
-    head = ("bands", "columns", "CPU s", "lx rms", "mean lx", "x, y")
+    head = ("bands", "columns", "CPU s", "lx rms", "mean lx", "x, y", "CCT, K", "Ra", "mean melanopic EDI")
     return [
         head,
         *(
@@ -159,15 +190,27 @@ def bands_rows(report: Report) -> Rows:
                 str(b.bands),
                 str(b.columns),
                 f"{b.cpu_seconds:.3g}",
-                *(
-                    ("reference",) * 3
-                    if b is report.bands[-1]
-                    else (share_text(b.illuminance), _signed(b.mean_illuminance), f"{b.chromaticity:.2g}")
-                ),
+                *(("reference",) * 6 if b is report.bands[-1] else _bands_cells(b)),
             )
             for b in report.bands
         ),
     ]
+
+
+def _bands_cells(price: BandsPrice) -> tuple[str, ...]:
+    """What a number of bands changes."""
+    return (
+        share_text(price.illuminance),
+        _signed(price.mean_illuminance),
+        f"{price.chromaticity:.2g}",
+        *(_plain(value) for value in (price.cct, price.ra)),
+        _signed(price.melanopic) if math.isfinite(price.melanopic) else NONE,
+    )
+
+
+def _plain(value: float) -> str:
+    """Two digits; ``none`` where no reading has such a number."""
+    return f"{float(f'{value:.2g}'):g}" if math.isfinite(value) else NONE
 
 
 def skipped_lines(skipped: Sequence[Skipped]) -> list[str]:
