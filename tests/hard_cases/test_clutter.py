@@ -189,7 +189,7 @@ def test_52_one_triangle_and_no_sensors(device):
     assert area @ blind.surfaces.irradiance[:, 0] / area.sum() == pytest.approx(exact, rel=1e-3)
     b.sensor((0.25, 0.25, 0.0), (0, 0, 1))
     readings = read(b.scene(), device)
-    assert readings.irradiance[0, 0] == pytest.approx(2.0, rel=1e-5) and readings.half_width[0, 0] == 0.0
+    assert readings.irradiance[0, 0] == pytest.approx(2.0, rel=1e-5) and readings.half_width[0, 0] < 1e-4
 
 
 def dunavant():

@@ -26,7 +26,7 @@ def test_34_nothing_reflects(device):
     solution = solve(room.scene(), QUICK, device)
     exact = [10.0 * rectangle_factor(p, (0, 0, 1), (0, 0, 1), (1, 0, 0), (0, 1, 0)) for p in only(solution).position]
     np.testing.assert_allclose(only(solution).irradiance[:, 0], exact, rtol=1e-5)
-    assert not only(solution).half_width.any()
+    np.testing.assert_array_less(only(solution).half_width, 3e-5 * only(solution).irradiance)
     assert not solution.plan.interreflection and solution.record["solver"] == []
     np.testing.assert_array_equal(solution.surfaces.irradiance, solution.surfaces.direct)
 
