@@ -45,6 +45,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
             raise
         _print_faults(error)
         return BAD_INPUT
+    except MemoryError as error:
+        if DEBUG in given:
+            raise
+        print(f"not enough memory: {error}; fewer or larger elements need less", file=sys.stderr)
+        return BAD_INPUT
     except KeyboardInterrupt:
         print("interrupted; nothing was known yet, and nothing was written", file=sys.stderr)
         return INTERRUPTED

@@ -17,9 +17,9 @@ from hradiosity.cli.live_files import LiveFiles, draw_first_picture
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
 from hradiosity.cli.text import account_line, note_lines, parts_lines, sensor_lines, time_lines
 from hradiosity.device import Device
-from hradiosity.errors import OutputError
+from hradiosity.errors import DeviceError, OutputError
 from hradiosity.io import calibration
-from hradiosity.io.checkpoint import load_checkpoint, run_digest, save_checkpoint
+from hradiosity.io.checkpoint import CHECKPOINT_FILE, load_checkpoint, run_digest, save_checkpoint
 from hradiosity.io.output_folder import close_partial, open_partial, partial_of, publish
 from hradiosity.io.output_lock import locked
 from hradiosity.io.results import write_results, write_run
@@ -62,6 +62,7 @@ def run(request: Request) -> int:
     out = request.out.resolve()
     with locked(out):
         partial = open_partial(out, keep=request.resume)
+        taken_up = request.resume and (partial / CHECKPOINT_FILE).exists()
         session: _Session | None = None
         try:
             with termination_interrupts():
@@ -69,7 +70,7 @@ def run(request: Request) -> int:
                 session.seconds["reading the scene"] = reading
                 return session.run()
         finally:
-            if session is None or session.nothing_known:
+            if not taken_up and (session is None or session.nothing_known):
                 close_partial(out)
 
 
@@ -153,6 +154,10 @@ class _Session:
                 self._live.update()
         except KeyboardInterrupt:
             return True
+        except (DeviceError, MemoryError) as error:
+            if self._solver.replicates == 0:
+                raise
+            raise DeviceError(f"{error}; {self._rescue(digest)}") from error
         return False
 
     def _referee(self, solution: Solution, paths: int) -> bool:

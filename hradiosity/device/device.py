@@ -104,13 +104,23 @@ class Device:
             return self._kernel(self._build(text, _sorted_definitions(definitions), "a source text"), name)
 
     def upload(self, array: NDArray[Any], dtype: Any = None) -> DeviceArray:
-        """Copy of a host array on the device, C-contiguous; an empty one gets room for one item."""
+        """Copy of a host array on the device, C-contiguous; an empty one gets room for one item.
+
+        Raises
+        ------
+        DeviceError
+            When the device has no room for it.
+        """
+        import pyopencl as cl
         import pyopencl.array as cl_array
 
         host = np.ascontiguousarray(array, dtype=dtype)
         if host.size == 0:
             return self.zeros((1,), host.dtype)
-        return cl_array.to_device(self._queue, host)
+        try:
+            return cl_array.to_device(self._queue, host)
+        except cl.Error as error:
+            raise self._no_room(host.nbytes, error) from error
 
     def zeros(self, shape: tuple[int, ...], dtype: Any) -> DeviceArray:
         """New device array filled with 0."""
@@ -131,12 +141,26 @@ class Device:
         try:
             return cl_array.empty(self._queue, roomy, np.dtype(dtype))
         except cl.Error as error:
-            size = np.prod(roomy, dtype=np.int64) * np.dtype(dtype).itemsize
-            raise DeviceError(f"no room for {size / 2**20:.0f} MiB on {self.info.name}: {error}") from error
+            size = int(np.prod(roomy, dtype=np.int64)) * np.dtype(dtype).itemsize
+            raise self._no_room(size, error) from error
+
+    def _no_room(self, size: int, error: cl.Error) -> DeviceError:
+        return DeviceError(f"no room for {size / 2**20:.0f} MiB on {self.info.name}: {error}")
 
     def fetch(self, array: DeviceArray) -> NDArray[Any]:
-        """Host copy of a device array; waits for the work that fills it."""
-        host: NDArray[Any] = array.get(self._queue)
+        """Host copy of a device array; waits for the work that fills it.
+
+        Raises
+        ------
+        DeviceError
+            When the work failed, for lack of memory for example, which some drivers only tell now.
+        """
+        import pyopencl as cl
+
+        try:
+            host: NDArray[Any] = array.get(self._queue)
+        except cl.Error as error:
+            raise DeviceError(f"{self.info.name} failed: {error}") from error
         return host
 
     def finish(self) -> None:
