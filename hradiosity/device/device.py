@@ -15,6 +15,7 @@ from hradiosity.device.build_time import BuildTime
 from hradiosity.device.choice import DeviceInfo, choose_device
 from hradiosity.device.kernel import LOCAL_SIZE, Kernel
 from hradiosity.device.sources import load_source, source_digest
+from hradiosity.device.watchdog import Watchdog
 from hradiosity.errors import DeviceError
 
 if TYPE_CHECKING:
@@ -51,6 +52,7 @@ class Device:
         self._programs: dict[BuildKey, cl.Program] = {}
         self._kernels: dict[tuple[BuildKey, str], Kernel] = {}
         self.build_time = BuildTime()
+        self.watchdog = Watchdog(self.info.name)
         self.builds: list[str] = []
         """Kernels taken into use so far, each with its definitions and the digest of all sources."""
         self.on_build: Callable[[str], None] | None = None
@@ -196,7 +198,8 @@ class Device:
         if self.on_build is not None:
             self.on_build(build)
 
-    def _record(self, name: str, event: cl.Event) -> None:
+    def _record(self, name: str, n_items: int, event: cl.Event) -> None:
+        self.watchdog.note(name, n_items, event)
         if self._profile:
             self._events.append((name, event))
 

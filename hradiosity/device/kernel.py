@@ -45,7 +45,7 @@ class Kernel:
         self,
         kernel: cl.Kernel,
         queue: cl.CommandQueue,
-        record: Callable[[str, cl.Event], None],
+        record: Callable[[str, int, cl.Event], None],
         build_time: BuildTime,
         local_size: int,
     ) -> None:
@@ -92,7 +92,7 @@ class Kernel:
             event = cl.enqueue_nd_range_kernel(self._queue, self._kernel, (size,), (self._local_size,))
         except cl.Error as error:
             raise DeviceError(f"kernel {self.name} with {n_items} work-items: {error}") from error
-        self._record(self.name, event)
+        self._record(self.name, n_items, event)
 
     def _compile(self, size: int, n_items: int) -> None:
         """Launch without items, once for each of the ways in which a driver may compile the kernel."""
