@@ -11,6 +11,8 @@ from scipy.spatial.transform import Rotation
 from hradiosity import Options, form_factor, form_factor_matrix, solve
 
 OPTIONS = Options(elements=1200, gather_samples=2048, light_samples=256, rays_per_element=64, light_points=16)
+BESIDE_THE_SCREEN = 4
+"""The one of the readings that sees part of a lamp."""
 QUADS = box_quads(2, (2.0, 1.0, 0.5))
 
 
@@ -41,9 +43,9 @@ def here(device):
 
 def assert_same_light(one, other):
     """Two independent estimates: within 2.5 times their common half width, as those of few replicates vary."""
-    slack = 2.5 * np.hypot(one.half_width, other.half_width) + 2e-3 * one.irradiance
-    assert (np.abs(one.irradiance - other.irradiance) < slack).all()
-    assert np.abs(other.irradiance / one.irradiance - 1.0).max() < 0.03
+    difference = np.abs(one.irradiance - other.irradiance)
+    assert (difference < 2.5 * np.hypot(one.half_width, other.half_width) + 2e-3 * one.irradiance).all()
+    assert (difference < 0.03 * one.irradiance).all()
 
 
 @pytest.mark.parametrize("shift", [(1e3, -1e3, 1e3), (1e6, -1e6, 1e5)], ids=["18-1e3", "18-1e6"])
@@ -125,10 +127,13 @@ def test_the_shuffled_scene_is_the_same_scene():
 
 @pytest.mark.parametrize("seed", [1, 2], ids="21-{}".format)
 def test_case_21_faces_in_another_order(device, here, seed):
-    """Direct light to rounding; reflected light within the intervals, as elements draw random numbers by their row."""
+    """Direct light to rounding; what is sampled within the intervals: another corner, other points of a lamp."""
     black = furnished(reflects=False)
     one, other = read(black, device), read(shuffled(black, seed), device)
-    np.testing.assert_allclose(other.irradiance, one.irradiance, rtol=1e-5)
+    sampled = np.arange(len(one)) == BESIDE_THE_SCREEN
+    np.testing.assert_allclose(other.irradiance[~sampled], one.irradiance[~sampled], rtol=1e-6)
+    one, other = (np.stack([r.irradiance[sampled], r.half_width[sampled]]) for r in (one, other))
+    assert (np.abs(one[0] - other[0]) < 2.5 * np.hypot(one[1], other[1])).all()
     assert_same_light(here, read(shuffled(furnished(), seed), device))
 
 
