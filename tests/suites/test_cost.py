@@ -48,7 +48,7 @@ def readings_of(lux, spread=0.0, count=4):
                 "irradiance": known(spectra, spread),
                 "illuminance": known(lux, spread),
                 "mean_illuminance": known(lux.mean()),
-                "uniformity": known(lux.min() / lux.mean()),
+                "uniformity": known(lux.min() / max(lux.mean(), 1e-9)),
                 "chromaticity": known(np.full((len(lux), 2), 1 / 3)),
                 "cct_k": known(np.where(lux > 0, 4000.0 + lux, np.nan)),
                 "ra": known(np.where(lux > 0, 80.0 + lux, np.nan)),
@@ -299,7 +299,7 @@ def test_prediction_scales_stages():
     usual = work_of(4000, Options(), **sizes)
     stages = {"exchange rays": 1.0, "readings": 2.0}
     assert predict(4.0, stages, usual, usual) == pytest.approx(4.0)
-    more = work_of(4000, Options(rays_per_element=2 * Options.rays_per_element), **sizes)
+    more = work_of(4000, Options(rays_per_element=2 * 16 * Options.replicates), **sizes)  # 16 is the least
     assert predict(4.0, stages, usual, more) == pytest.approx(5.0)
     light = work_of(4000, Options(light_samples=1, gather_samples=8), **sizes)
     assert predict(4.0, stages, usual, light) == pytest.approx(2.0, abs=0.02)

@@ -109,7 +109,7 @@ def single_knobs() -> list[Setting]:
         Setting(f"{word} × {factor:g}", word, replace(usual, **{name: round(factor * getattr(usual, name))}))
         for name, word in KNOBS.items()
         for factor in FACTORS
-        if name != "rays_per_element" or factor * usual.rays_per_element >= LEAST_RAYS * usual.replicates
+        if name != "rays_per_element" or factor * usual.rays_per_element > LEAST_RAYS * usual.replicates
     ]
     other: Literal[2, 3] = 5 - usual.lookup  # type: ignore[assignment]
     found.append(Setting(f"lookup {other}", "lookup", replace(usual, lookup=other)))
