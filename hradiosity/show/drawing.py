@@ -138,7 +138,8 @@ def prepare_drawing(
     goal = refinement_goal(picture, hits, LEAF_PIXELS * PER_PIXEL, lux)
     shadow = refine_shadows(on_device, sampled_scene(scene, solution.plan.weak_emitters), goal, refinement)
     gathered = gather_rows(solution, on_device)
-    rows = level_seams(picture, on_device.bvh, row_light(picture, solution, shadow, gathered))
+    light = row_light(picture, solution, shadow, gathered)
+    rows = level_seams(picture, on_device.bvh, light, solution.surfaces.exposed)
     at_vertex = shadow_channels(picture, shadow)
     sky = np.zeros(3) if scene.sky is None else np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))
     return [

@@ -38,11 +38,12 @@ class _Rim:
     outward: NDArray[np.float64]
 
 
-def level_seams(picture: PictureScene, bvh: Bvh, rows: RowLight) -> RowLight:
+def level_seams(picture: PictureScene, bvh: Bvh, rows: RowLight, exposed: NDArray[np.float64]) -> RowLight:
     """The same light, each vertex on an outline averaged with what the surface beyond the outline has there.
 
     A short ray finds the side beyond: one that lies in the same plane and belongs to the same object, material and
-    space. Where both have the same vertices nothing changes, since they share them already.
+    space. Where both have the same vertices nothing changes, since they share them already. Elements of which solids
+    leave nothing `exposed` (n_rows,) have no light and would darken the line at which a surface is cut there.
     """
     rim = _rims(picture, rows)
     patches = picture.scene.patches
@@ -56,7 +57,8 @@ def level_seams(picture: PictureScene, bvh: Bvh, rows: RowLight) -> RowLight:
     same = (hits.patch >= 0) & (np.einsum("ij,ij->i", facing, normal) > 1.0 - FLAT)
     same &= picture.label.ravel()[side] == picture.label.ravel()[rim.side]
     cell, s, t = locate_cells(picture.elements, patches.is_triangle, np.where(same, side, -1), hits.u, hits.v)
-    met = np.flatnonzero(cell >= 0)
+    has_light = exposed > 0.0
+    met = np.flatnonzero((cell >= 0) & has_light[picture.elements.cell_row[np.maximum(cell, 0)]])
     values = indirect_at(picture, rows, cell[met], s[met], t[met])
     vertex = rim.vertex[met]
     count = 1.0 + np.bincount(vertex, minlength=len(rows.at_vertex))

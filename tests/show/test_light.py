@@ -7,6 +7,7 @@ import pytest
 from drawn import QUICK
 from rooms import SceneBuilder, cube
 
+from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.radiosity import solve
 from hradiosity.show.light import picture_scene, row_light
 from hradiosity.show.seams import level_seams
@@ -52,12 +53,12 @@ def wall(device):
     scene = room_with_a_wall_in_three_patches()
     solution = solve(scene, replace(QUICK, rays_per_element=32), device)
     picture = picture_scene(solution)
-    return picture, row_light(picture, solution, None), build_bvh(device, scene.patches)
+    return picture, row_light(picture, solution, None), build_bvh(device, scene.patches), solution.surfaces.exposed
 
 
 def test_seams_are_levelled(wall):
-    picture, rows, bvh = wall
-    before, after = steps(picture, rows), steps(picture, level_seams(picture, bvh, rows))
+    picture, rows, bvh, exposed = wall
+    before, after = steps(picture, rows), steps(picture, level_seams(picture, bvh, rows, exposed))
     print(f"step across seams {before:.4f} before, {after:.4f} after")
     assert before > 0.02 and after < 0.4 * before
 
@@ -70,8 +71,30 @@ def test_levelling_keeps_what_is_shared_already(device):
     solution = solve(scene, QUICK, device)
     picture = picture_scene(solution)
     rows = row_light(picture, solution, None)
-    levelled = level_seams(picture, build_bvh(device, scene.patches), rows)
+    levelled = level_seams(picture, build_bvh(device, scene.patches), rows, solution.surfaces.exposed)
     np.testing.assert_array_equal(levelled.at_vertex, rows.at_vertex)
+
+
+def test_what_a_box_covers_does_not_darken_the_floor_beside_it(device):
+    """Everything shines, E = 2 all over; the floor is cut at the box, with other divisions on both sides of the cut."""
+    b = SceneBuilder()
+    paint = b.material(0.5)
+    b.box((0, 0, 0), (2, 2, 2), paint, inward=True)
+    b.rows[4] = ((0, 0, 0), (1.2, 0, 0), (0, 2, 0), *b.rows[4][3:])
+    b.patch((1.2, 0, 0), (0.8, 0, 0), (0, 0.9, 0), paint)
+    b.patch((1.2, 0.9, 0), (0.8, 0, 0), (0, 1.1, 0), paint)
+    b.box((1.2, 0.9, 0), (2, 2, 1), paint, solid=True)
+    for patch in range(len(b.rows)):
+        b.lamp(patch, 1.0)
+    scene = b.scene()
+    solution = solve(scene, replace(QUICK, gather_samples=8), device)
+    picture, bvh = picture_scene(solution), build_bvh(device, solution.scene.patches)
+    rows = level_seams(picture, bvh, row_light(picture, solution, None), solution.surfaces.exposed)
+    along = np.linspace(0.01, 0.99, 99).astype(np.float32)
+    edge = light_on_sides(picture, rows, 4, np.ones_like(along), along)
+    assert len(solution.scene.patches) == len(scene.patches)
+    weights = luminous_weights(scene.bands)
+    np.testing.assert_allclose(edge, 2.0 * weights.sum(), rtol=0.01)
 
 
 def test_vertices_never_mix_surfaces(device):
