@@ -64,25 +64,6 @@ HR_FORCE_INLINE double hr_segment_distance2(const double3 point, const double3 s
     return hr_dot_d(off, off);
 }
 
-/* Distance of a point from a convex polygon, squared. */
-inline double hr_polygon_distance2(const double3 x, const uint polygon, HR_POLYGON_PARAMS)
-{
-    const size_t row = (size_t)polygon * HR_CORNERS;
-    const double3 n = hr_row_d(polygon_normal, polygon);
-    const uint count = polygon_count[polygon];
-    double3 a = hr_row_d(polygon_corner, row + count - 1);
-    double nearest = INFINITY;
-    int inside = 1;
-    for (uint k = 0; k < count; ++k) {
-        const double3 b = hr_row_d(polygon_corner, row + k);
-        inside = inside && hr_dot_d(hr_cross_d(b - a, x - a), n) >= 0.0;
-        nearest = hr_smaller_d(nearest, hr_segment_distance2(x, a, b - a));
-        a = b;
-    }
-    const double height = hr_dot_d(x - a, n);
-    return inside ? height * height : nearest;
-}
-
 /* 1 when the segment from x along d goes through a convex polygon at 0 < t < 1; its ends do not count. */
 inline int hr_segment_blocked(const double3 x, const double3 d, const double flat, const uint polygon,
                               HR_POLYGON_PARAMS)
@@ -121,6 +102,15 @@ inline int hr_ray_meets(const double3 x, const double3 d, const uint polygon, HR
         a = b;
     }
     return 1;
+}
+
+/* Share of all that leaves a point x with unit normal n and that arrives at a polygon of area b around the place d away,
+   as seen from there: b cos cos / (pi r^2). */
+HR_FORCE_INLINE double hr_even_share(const double3 n, const double3 d, const double3 other, const double b)
+{
+    const double r2 = hr_dot_d(d, d);
+    const double leaving = hr_dot_d(n, d), arriving = -hr_dot_d(other, d);
+    return leaving > 0.0 && arriving > 0.0 ? b * leaving * arriving / (HR_PI_D * r2 * r2) : 0.0;
 }
 
 #endif

@@ -1,9 +1,9 @@
 /* Exchange of polygon pairs by random points on both, and by random rays from one. */
 #include "include/hr_pair_sampling.h"
 
-/* One work-item takes the samples of one replicate of one pair. Where the polygons are nearer to each other than a disk
-   that holds three points of all replicates, there the kernel may be large and yet unseen: up to the area of such
-   places is missing, whatever the samples say. */
+/* One work-item takes the samples of one replicate of one pair: x on the first polygon, y drawn evenly on the second one
+   and, unless they are far from each other, where a cosine-distributed ray from x meets it. Weighed with the balance
+   heuristic (Veach & Guibas 1995) neither counts more than 1, however near the polygons are. */
 __kernel void sample_exchange(HR_POLYGON_PARAMS,
                               __global const uint *first,  /* (n_pairs,)                                       */
                               __global const uint *second, /* (n_pairs,)                                       */
@@ -11,7 +11,6 @@ __kernel void sample_exchange(HR_POLYGON_PARAMS,
                               const uint sequence,       /* 1: Sobol points, scrambled anew in each replicate  */
                               const uint seed,
                               __global double *exchange, /* (n_pairs, n_replicates) A F [m^2]                  */
-                              __global double *unseen,   /* (n_pairs, n_replicates) [m^2], see below           */
                               const uint n_items)
 {
     const uint i = get_global_id(0);
@@ -19,22 +18,29 @@ __kernel void sample_exchange(HR_POLYGON_PARAMS,
         return;
     const uint p = first[i / n_replicates], q = second[i / n_replicates];
     const double3 np = hr_row_d(polygon_normal, p), nq = hr_row_d(polygon_normal, q);
+    const float3 n = (float3)((float)np.x, (float)np.y, (float)np.z);
     const uint key = hr_pair_seed(seed, p, q, i % n_replicates, polygon_sphere);
-    const double reach2 = 3.0 * polygon_area[q] / (HR_PI_D * n_replicates * n_samples);
+    const double area = polygon_area[q];
+    const double3 on_q = hr_row_d(polygon_corner, (size_t)q * HR_CORNERS);
+    const double3 across = hr_sphere_centre(polygon_sphere, q) - hr_sphere_centre(polygon_sphere, p);
+    const double reach = 2.0 * (polygon_sphere[4 * (size_t)p + 3] + polygon_sphere[4 * (size_t)q + 3]);
+    const int is_near = hr_dot_d(across, across) < reach * reach;
     double sum = 0.0;
-    uint near = 0;
     for (uint k = 0; k < n_samples; ++k) {
         const double3 x = hr_point_on_polygon(p, hr_sample_pair(k, 0, key, sequence), HR_POLYGON);
-        const double3 y = hr_point_on_polygon(q, hr_sample_pair(k, 2, key, sequence), HR_POLYGON);
-        near += hr_polygon_distance2(x, q, HR_POLYGON) < reach2 ? 1u : 0u;
-        const double3 d = y - x;
-        const double r2 = hr_dot_d(d, d);
-        const double leaving = hr_dot_d(np, d), arriving = -hr_dot_d(nq, d);
-        if (leaving > 0.0 && arriving > 0.0)
-            sum += leaving * arriving / (r2 * r2);
+        const double2 place = hr_sample_pair(k, 2, key, sequence);
+        const double even = hr_even_share(np, hr_point_on_polygon(q, place, HR_POLYGON) - x, nq, area);
+        sum += is_near ? even / (1.0 + even) : even;
+        if (!is_near)
+            continue;
+        const float3 towards = hr_cosine_direction(n, (float)place.x, (float)place.y);
+        const double3 d = (double3)(towards.x, towards.y, towards.z);
+        if (!hr_ray_meets(x, d, q, HR_POLYGON))
+            continue;
+        const double met = hr_even_share(np, hr_dot_d(on_q - x, nq) / hr_dot_d(d, nq) * d, nq, area);
+        sum += met / (1.0 + met);
     }
-    exchange[i] = sum * polygon_area[p] * polygon_area[q] / (HR_PI_D * n_samples);
-    unseen[i] = polygon_area[p] * near / n_samples;
+    exchange[i] = sum * polygon_area[p] / n_samples;
 }
 
 /* Cosine-distributed rays from uniform points: the share that meets the other polygon is the form factor. */

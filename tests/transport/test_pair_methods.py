@@ -24,8 +24,8 @@ TOLERANCES = {
     "point": {"parallel-opposed": 1.7},
     "point-disk": {"parallel-opposed": 0.13, "perpendicular-offset": 0.4},
     "hemisphere": {
-        "parallel-opposed": 1e-6,
-        "parallel-offset": 1e-6,
+        "parallel-opposed": 1e-5,
+        "parallel-offset": 1e-5,
         "area-ratio": 1e-8,
         "perpendicular-common-edge": 2e-5,
         "perpendicular-offset": 1e-5,

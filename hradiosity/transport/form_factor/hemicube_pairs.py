@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 
 from hradiosity.transport.form_factor.hemicube import delta_factors
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
-from hradiosity.transport.form_factor.quadrature import receiver_arguments
+from hradiosity.transport.form_factor.quadrature import LineRule, gauss, receiver_arguments
+from hradiosity.transport.form_factor.receiver_error import points_error
 
 _TURNS: Final = 4
 
@@ -36,27 +37,31 @@ def hemicube_exchange(pairs: Pairs, points: int, resolution: int, seed: int) -> 
     """
     if resolution < 8 or resolution % 2:
         raise ValueError(f"the resolution of a hemicube must be even and at least 8, is {resolution}")
-    turned = _turned(pairs, points, resolution, seed)
+    turned = _turned(pairs, points, resolution, seed, _TURNS)
     value = turned.mean(axis=1)
-    other = _turned(pairs, points - 1 if points > 1 else 2, resolution, seed).mean(axis=1)
+    points_off = points_error(
+        value, points, lambda order, line: _turned(pairs, order, resolution, seed, 1, line).mean(axis=1)
+    )
     spread: NDArray[np.float64] = turned.max(axis=1) - turned.min(axis=1)
     smaller = np.minimum(pairs.polygons.area[pairs.first], pairs.polygons.area[pairs.second])
     pixel = float(delta_factors(resolution).max())
-    return Estimate(np.minimum(value, smaller), np.abs(value - other) + spread + 0.5 * pixel * smaller)
+    return Estimate(np.minimum(value, smaller), points_off + spread + 0.5 * pixel * smaller)
 
 
-def _turned(pairs: Pairs, points: int, resolution: int, seed: int) -> NDArray[np.float64]:
+def _turned(
+    pairs: Pairs, points: int, resolution: int, seed: int, turns: int, line: LineRule = gauss
+) -> NDArray[np.float64]:
     """(n_pairs, turns) A F [m²]."""
     device = pairs.device
-    exchange = device.empty((len(pairs), _TURNS), np.float64)
+    exchange = device.empty((len(pairs), turns), np.float64)
     device.kernel("pair_hemicube", "hemicube_exchange", **pairs.corner_definitions)(
-        len(pairs) * _TURNS,
+        len(pairs) * turns,
         **pairs.polygon_arguments,
         **pairs.pair_arguments,
-        **receiver_arguments(pairs, points),
+        **receiver_arguments(pairs, points, line),
         pixel=device.upload(delta_factors(resolution)),
         resolution=resolution,
-        n_turns=_TURNS,
+        n_turns=turns,
         seed=seed,
         exchange=exchange,
     )

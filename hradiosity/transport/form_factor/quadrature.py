@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Final, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,10 +12,29 @@ from numpy.typing import NDArray
 from hradiosity.transport.form_factor.pairs import Pairs
 from hradiosity.transport.form_factor.polygons import PolygonSet
 
+LineRule: TypeAlias = Callable[[int], tuple[NDArray[np.float64], NDArray[np.float64]]]
+"""From an order to nodes and weights on [0, 1]."""
+INSET: Final = 0.003
+"""Distance of the outermost nodes of `rim` from the ends."""
+
 
 def gauss(order: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Nodes and weights of Gauss–Legendre quadrature on [0, 1]."""
     x, w = np.polynomial.legendre.leggauss(order)
+    return 0.5 + 0.5 * x, 0.5 * w
+
+
+def rim(order: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Nodes and weights on [0, 1] that integrate polynomials of degree ``order + 1``, with a node next to each end.
+
+    Those of Gauss–Lobatto quadrature, the ends moved in a little: what happens in the rim that Gauss points leave out
+    shows in the difference from them. At the very ends polygons may touch, where there is nothing to evaluate.
+    """
+    legendre = np.polynomial.legendre.Legendre.basis(order + 1)
+    x = np.concatenate([[2.0 * INSET - 1.0], np.sort(legendre.deriv().roots().real), [1.0 - 2.0 * INSET]])
+    moments = np.zeros(order + 2)
+    moments[0] = 2.0
+    w = np.asarray(np.linalg.solve(np.polynomial.legendre.legvander(x, order + 1).T, moments), np.float64)
     return 0.5 + 0.5 * x, 0.5 * w
 
 
@@ -49,10 +69,10 @@ class SurfaceRule:
     point: NDArray[np.float64]
 
 
-def receiver_arguments(pairs: Pairs, order: int) -> dict[str, Any]:
+def receiver_arguments(pairs: Pairs, order: int, line: LineRule = gauss) -> dict[str, Any]:
     """Kernel arguments ``rule_point``, ``rule_row`` and ``n_points``: points on the first polygon of each pair."""
     chosen, row = np.unique(pairs.first, return_inverse=True)
-    point = surface_rule(pairs.polygons.subset(chosen), order).point
+    point = surface_rule(pairs.polygons.subset(chosen), order, line).point
     device = pairs.device
     return {
         "rule_point": device.upload(point, np.float64),
@@ -61,8 +81,9 @@ def receiver_arguments(pairs: Pairs, order: int) -> dict[str, Any]:
     }
 
 
-def surface_rule(polygons: PolygonSet, order: int) -> SurfaceRule:
-    """Points that integrate polynomials of degree ``2 order - 1`` over each polygon, and those of degree 1 from one.
+def surface_rule(polygons: PolygonSet, order: int, line: LineRule = gauss) -> SurfaceRule:
+    """Points that integrate polynomials of degree ``2 order - 1`` over each polygon, and those of degree 1 from one;
+    with `rim` instead of `gauss`, of degree ``order + 1``.
 
     Polygons are cut into a fan of quadrilaterals about the first corner, with Gauss points on each, mapped bilinearly;
     a triangle is a quadrilateral with two corners in one place (Duffy's map). The map's Jacobian is linear unless they
@@ -70,10 +91,10 @@ def surface_rule(polygons: PolygonSet, order: int) -> SurfaceRule:
     """
     corners = polygons.corners
     k = corners.shape[1]
-    if order == 1:
+    if order == 1 and line is gauss:
         rows = np.concatenate([polygons.centre, polygons.area[:, None]], axis=1)
         return _padded(rows[:, None])
-    node, weight = gauss(order if _all_parallelograms(polygons) else order + 1)
+    node, weight = line(order if _all_parallelograms(polygons) else order + 1)
     u, v = (grid.ravel() for grid in np.meshgrid(node, node, indexing="ij"))
     share = np.outer(weight, weight).ravel()
     parts = []

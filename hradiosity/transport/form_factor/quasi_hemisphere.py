@@ -6,6 +6,7 @@ import numpy as np
 
 from hradiosity.transport.form_factor.hemisphere import receiver_sum
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
+from hradiosity.transport.form_factor.receiver_error import points_error
 
 
 def quasi_hemisphere_exchange(pairs: Pairs, points: int, chords: int) -> Estimate:
@@ -24,6 +25,6 @@ def quasi_hemisphere_exchange(pairs: Pairs, points: int, chords: int) -> Estimat
     """
     halvings = int(np.ceil(np.log2(chords)))
     value = receiver_sum(pairs, points, halvings)
-    other_points = receiver_sum(pairs, points - 1 if points > 1 else 2, halvings)
+    points_off = points_error(value, points, lambda order, line: receiver_sum(pairs, order, halvings, line))
     other_chords = receiver_sum(pairs, points, halvings - 1 if halvings else 1)
-    return Estimate(value, np.abs(value - other_points) + np.abs(value - other_chords))
+    return Estimate(value, points_off + np.abs(value - other_chords))

@@ -17,5 +17,5 @@ def ray_exchange(pairs: Pairs, sampling: Sampling) -> Estimate:
     return sampled_exchange(pairs, _trace, sampling)
 
 
-def _trace(pairs: Pairs, samples: int, sampling: Sampling) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    return run_sampler(pairs, "trace_exchange", samples, sampling), np.zeros(len(pairs))
+def _trace(pairs: Pairs, samples: int, sampling: Sampling) -> NDArray[np.float64]:
+    return run_sampler(pairs, "trace_exchange", samples, sampling)
