@@ -131,7 +131,7 @@ class RadiositySolver:
         if self._surfaces is None or self.replicates == 0:
             raise RuntimeError("nothing was solved yet")
         return Solution(
-            scene=replace(self.scene, notes=self.notes),
+            scene=replace(self.scene, notes=(*self.notes, *self._surfaces.notes())),
             plan=self.plan,
             elements=self._surfaces.elements,
             surfaces=self._surfaces.surfaces(),

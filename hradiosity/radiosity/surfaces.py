@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from hradiosity.device import Device
 from hradiosity.metrics.photometric import luminous_weights
-from hradiosity.model.scene import Scene
+from hradiosity.model.scene import Note, Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import sight_shares, sized, with_sight
@@ -272,9 +272,7 @@ class SurfaceSolver:
     def restore(self, kept: Mapping[str, NDArray[Any]]) -> None:
         """Go on from a checkpoint, bit for bit."""
         if not np.array_equal(kept["links"], self._links):
-            links = kept["links"]
-            self._cut(find_lit_sides(self.scene, self._bvh, seed=self.options.seed, known_links=links))
-            self._links = links
+            self._cut_again(kept["links"])
         self._deflation = kept.get("deflation")
         self._growth = ErrorGrowth(*(float(value) for value in kept["growth"])) if "growth" in kept else None
         for name, moments in self._moments().items():
@@ -290,11 +288,27 @@ class SurfaceSolver:
             self.record.rays += hits.row.size
             if attempt == RETRIES or np.count_nonzero(hits.row == UNLIT) <= LOST_SHARE * hits.row.size:
                 break
-            self._links = np.concatenate([self._links, hits.unlit_links(self.elements)])
-            links_so_far = self._links
-            self._cut(find_lit_sides(self.scene, self._bvh, seed=self.options.seed, known_links=links_so_far))
-            self._links = links_so_far
+            self._cut_again(np.concatenate([self._links, hits.unlit_links(self.elements)]))
         return hits
+
+    def _cut_again(self, links: NDArray[np.int64]) -> None:
+        """Cut all sides that are lit now that some (n, 2) are known to see each other, and plan for these elements."""
+        self._cut(find_lit_sides(self.scene, self._bvh, seed=self.options.seed, known_links=links))
+        self._links = links
+        before, after = (sized(self.plan, n).memory_bytes for n in (self.plan.n_elements, len(self.elements)))
+        memory = self.plan.memory_bytes + after - before
+        self.plan = replace(self.plan, n_elements=len(self.elements), memory_bytes=memory)
+
+    def notes(self) -> tuple[Note, ...]:
+        """What came to light only while running."""
+        if not len(self._links):
+            return ()
+        late = len(np.unique(self._links[:, 1]))
+        message = (
+            f"rays found light on {late} side{'s' if late > 1 else ''} of patches that seemed dark when the run was "
+            f"planned; the surfaces were cut again, into {len(self.elements)} elements"
+        )
+        return (Note("info", "plan", message),)
 
     def _exchange(self, hits: RowHits, seed: int) -> ClosedRows:
         """The exchange between row elements, closed."""

@@ -33,3 +33,29 @@ def test_rows_that_some_replicates_find_covered_are_as_bright_as_the_rest(device
     exposed = floor & (surfaces.exposed > 0.0)
     np.testing.assert_allclose(surfaces.irradiance[exposed], wanted, rtol=1e-3)
     np.testing.assert_allclose(surfaces.irradiance[floor & ~exposed], 0.0)
+
+
+def test_sides_found_lit_late_are_in_the_plan_and_the_notes(device):
+    """A dark room behind a hole of 11 cm: few rays tell which sides are lit, and miss it."""
+    b = SceneBuilder()
+    paint = b.material(0.5)
+    b.box((0, 0, 0), (2, 2, 2), paint, inward=True)
+    b.box((2, 0, 0), (4, 2, 2), paint, inward=True)
+    low, high = 0.945, 1.055
+    holed = [((0, 0), (2, low)), ((0, high), (2, 2)), ((0, low), (low, high)), ((high, low), (2, high))]
+    pieces = [((2, y, z), (0, top - y, 0), (0, 0, upper - z)) for (y, z), (top, upper) in holed]
+    b.rows[1] = (*pieces[0], *b.rows[1][3:])
+    for piece in pieces[1:]:
+        b.patch(*piece, paint)
+    del b.rows[6]
+    b.lamp(5, 1.0)
+    b.sensor((1, 1, 1), (0, 0, 1))
+    solver = RadiositySolver(b.scene(), OPTIONS, device)
+    planned = solver.plan.n_elements
+    for _ in solver.states():
+        pass
+    solution = solver.solution()
+    late = [note for note in solution.scene.notes if "seemed dark" in note.message]
+    assert len(late) == 1 and f"into {len(solution.elements)} elements" in late[0].message
+    assert solution.plan.n_elements == len(solution.elements) > planned
+    assert solution.plan.memory_bytes > 0
