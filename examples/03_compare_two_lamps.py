@@ -11,10 +11,8 @@ from pathlib import Path
 import numpy as np
 
 import hradiosity
-from hradiosity.metrics.weights import band_weights
-from hradiosity.model.photometry import ALPHA_OPIC_NAMES, alpha_opic
+from hradiosity.metrics.eye import RECEPTORS, alpha_opic_irradiance
 from hradiosity.model.scene import Scene
-from hradiosity.model.spectrum import Spectrum
 
 SCENES = Path(__file__).resolve().parents[1] / "scenes"
 
@@ -29,10 +27,9 @@ def lit_by(scene: Scene, name: str) -> Scene:
 def mean_melanopic_and_lux(scene: Scene) -> tuple[float, float]:
     """Mean melanopic irradiance [W m⁻²] and illuminance [lx] at the eyes."""
     solution = hradiosity.solve(scene, hradiosity.Options(element_size=0.5, gather_samples=512, seed=3))
-    wavelength, action = alpha_opic()
-    melanopic = band_weights(Spectrum(wavelength, action[:, ALPHA_OPIC_NAMES.index("melanopic")]), scene.bands)
     eyes = solution.readings["eyes"]
-    return float((eyes.irradiance @ melanopic).mean()), eyes.mean_illuminance
+    receptors = alpha_opic_irradiance(eyes.irradiance, scene.bands)
+    return float(receptors[:, RECEPTORS.index("melanopic")].mean()), eyes.mean_illuminance
 
 
 office = hradiosity.load_scene(SCENES / "office")
