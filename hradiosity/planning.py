@@ -12,6 +12,7 @@ from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, Effect, Plan, SightShare, SpectralColumns
+from hradiosity.planning_memory import element_bytes, path_bytes
 from hradiosity.space.convexity import is_convex
 from hradiosity.space.hierarchy import Elements
 from hradiosity.space.lit_sides import LitSides
@@ -178,7 +179,7 @@ def _elements_of(area: float, size: float) -> int:
 def sized(plan: Plan, n_elements: int, calibration: Calibration | None = None) -> Plan:
     """The plan for another number of elements than it was made for, memory and seconds included."""
     changed = replace(plan, n_elements=n_elements)
-    changed = replace(changed, memory_bytes=_memory(changed))
+    changed = replace(changed, memory_bytes=element_bytes(changed) + path_bytes(changed))
     return changed if calibration is None else _with_seconds(changed, calibration)
 
 
@@ -325,10 +326,3 @@ def _shadow_refinement(scene: Scene, options: Options) -> Effect:
     if not len(scene.emitters):
         return Effect("shadow refinement", False, "no lamp casts shadows")
     return Effect("shadow refinement", True, "pictures or maps are asked for")
-
-
-def _memory(plan: Plan) -> int:
-    """Bytes of the arrays that grow: hits, links, columns of the solver, paths."""
-    per_element = 32 * plan.rays_per_element + 12 * plan.n_emitters
-    state = 8 * 32 * plan.columns.n_groups * 4
-    return plan.n_elements * (per_element + state) + 16 * plan.n_readings * plan.gather_samples

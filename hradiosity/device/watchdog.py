@@ -8,7 +8,7 @@ import warnings
 import weakref
 from collections import deque
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import Any, Final, Protocol
 
 LONG: Final = 120.0
 """Seconds after which a kernel is spoken of, and again whenever they have doubled: no launch should take so long."""
@@ -21,7 +21,9 @@ _COMPLETE: Final = 0
 class Event(Protocol):
     """What is asked of an OpenCL event."""
 
-    command_execution_status: int
+    @property
+    def command_execution_status(self) -> Any:
+        """A number, see `_COMPLETE`."""
 
 
 @dataclass

@@ -15,6 +15,7 @@ from hradiosity.model.scene import Note, Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import make_plan
+from hradiosity.planning_memory import check_fits
 from hradiosity.radiosity.checkpoint import pack_record, unpack_record
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.state import State
@@ -209,6 +210,7 @@ class RadiositySolver:
                 plan = make_plan(self.scene, self.options, lit)
                 surfaces = self.surface_solver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
                 surfaces.plan = surfaces.sized_plan(self._calibration)
+                check_fits(surfaces.plan, self.device)
                 self._surfaces = surfaces
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
         return self._surfaces

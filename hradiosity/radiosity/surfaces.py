@@ -17,6 +17,7 @@ from hradiosity.model.scene import Note, Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import sight_shares, sized, with_sight
+from hradiosity.planning_memory import check_fits
 from hradiosity.radiosity.companion import Companion
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
 from hradiosity.readings.interval import RunningMean, part_of
@@ -108,6 +109,8 @@ class SurfaceSolver:
     def __init__(
         self, device: Device, scene: Scene, bvh: Bvh, lit: LitSides, plan: Plan, options: Options, record: Record
     ) -> None:
+        if options.mode == "rays":
+            check_fits(plan, device)
         self.device, self.scene, self.plan, self.options, self.record = device, scene, plan, options, record
         self._bvh = bvh
         self.sampled = sampled_scene(scene, plan.weak_emitters)
