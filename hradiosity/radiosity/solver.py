@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
+from hradiosity.errors import DeviceError
 from hradiosity.model.scene import Note, Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
@@ -98,8 +99,8 @@ class RadiositySolver:
     def states(self) -> Iterator[State]:
         """Run, yielding after each stage; whoever stops asking keeps what is known so far.
 
-        A keyboard interrupt takes back the replicate that it breaks off, so that the solution and the checkpoint are
-        those of the replicates before.
+        A keyboard interrupt, or a device without room, takes back the replicate that it breaks off, so that the solution
+        and the checkpoint are those of the replicates before.
         """
         surfaces = self._prepare()
         yield self._state("geometry")
@@ -108,7 +109,7 @@ class RadiositySolver:
             cpu = self.device.work_cpu_seconds()
             try:
                 self._replicate(surfaces)
-            except KeyboardInterrupt:
+            except (KeyboardInterrupt, DeviceError, MemoryError):
                 self._load(before)
                 raise
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
