@@ -54,7 +54,7 @@ def uniform_appearance(tristimulus: NDArray[np.float64], white: NDArray[np.float
     eccentricity = 0.25 * (np.cos(hue + 2.0) + 3.8)
     strength = 50000.0 / 13.0 * induction * eccentricity * np.hypot(a, b)
     strength /= red + green + 1.05 * blue
-    chroma = strength**0.9 * np.sqrt(lightness / 100.0) * (1.64 - 0.29**relative) ** 0.73
+    chroma = np.maximum(strength, 0.0) ** 0.9 * np.sqrt(lightness / 100.0) * (1.64 - 0.29**relative) ** 0.73
     colourfulness = np.log1p(0.0228 * chroma * _LEVEL**0.25) / 0.0228
     prime = 1.7 * lightness / (1.0 + 0.007 * lightness)
     return np.stack([prime, colourfulness * np.cos(hue), colourfulness * np.sin(hue)], axis=1)

@@ -33,7 +33,8 @@ class ColourFidelity:
     """Of n lights; NaN where light has no colour temperature, or one above 25 000 K.
 
     rf : (n,) float64, fidelity index Rf
-    rg : (n,) float64, gamut index Rg
+    rg : (n,) float64, gamut index Rg; also NaN where the reference is so warm (below 1150 K) that no sample's hue
+        falls into a sector
     local_fidelity : (n, 16) float64, Rf,h of each sector of hues
     chroma_shift : (n, 16) float64 [%], Rcs,h; positive where colours look more saturated than under the reference
     hue_shift : (n, 16) float64, Rhs,h, relative to the chroma
