@@ -99,7 +99,7 @@ class RadiositySolver:
     def states(self) -> Iterator[State]:
         """Run, yielding after each stage; whoever stops asking keeps what is known so far.
 
-        A keyboard interrupt, or a device without room, takes back the replicate that it breaks off, so that the solution
+        A keyboard interrupt, or a device that fails, takes back the replicate that it breaks off, so that the solution
         and the checkpoint are those of the replicates before.
         """
         surfaces = self._prepare()
