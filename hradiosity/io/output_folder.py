@@ -38,7 +38,7 @@ def write_file(path: Path, data: bytes) -> None:
     OutputError
         When it can't be written; what was there before is still there.
     """
-    draft = path.with_name(f"{path.name}.draft")
+    draft = _draft_of(path)
     try:
         with draft.open("wb") as stream:
             stream.write(data)
@@ -48,6 +48,11 @@ def write_file(path: Path, data: bytes) -> None:
     except OSError as error:
         _discard(draft)
         raise OutputError(f"{path} can't be written: {reason(error)}") from error
+
+
+def _draft_of(path: Path) -> Path:
+    """Where a file is written before it takes its place."""
+    return path.with_name(f"{path.name}.draft")
 
 
 def reason(error: OSError) -> str:
@@ -89,6 +94,8 @@ def open_partial(out: Path, *, keep: bool = False) -> Path:
         if partial.exists() and not keep:
             _delete(partial)
         partial.mkdir(parents=True, exist_ok=True)
+        for draft in partial.rglob("*.draft"):
+            draft.unlink()
     except OSError as error:
         raise OutputError(f"{partial} can't be made: {reason(error)}") from error
     if not (partial / RUN_FILE).exists():
@@ -157,8 +164,10 @@ def read_run(folder: Path) -> dict[str, Any] | None:
 
 
 def _is_result(path: Path) -> bool:
-    """A folder of ours, or an empty one."""
-    return path.is_dir() and (read_run(path) is not None or not any(path.iterdir()))
+    """A folder of ours, or one that was just made: empty, or with the draft of its first file."""
+    if not path.is_dir():
+        return False
+    return read_run(path) is not None or all(entry == _draft_of(path / RUN_FILE) for entry in path.iterdir())
 
 
 def _is_whole(partial: Path) -> bool:
