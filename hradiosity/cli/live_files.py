@@ -16,6 +16,7 @@ from hradiosity.model.scene import Scene
 from hradiosity.radiosity import RadiositySolver
 from hradiosity.show.first_picture import write_first_picture
 from hradiosity.show.preview import Preview
+from hradiosity.show.white import WhiteName
 
 LEAST_PAUSE = 1.0
 """Seconds between two versions of a live file, at least."""
@@ -60,10 +61,13 @@ class LiveFiles:
         Of what the checkpoints belong to.
     preview : bool
         Draw ``pictures/preview.png``.
+    white : WhiteName
+        What it shows as white.
     """
 
-    def __init__(self, folder: Path, solver: RadiositySolver, digest: str, *, preview: bool) -> None:
+    def __init__(self, folder: Path, solver: RadiositySolver, digest: str, *, preview: bool, white: WhiteName) -> None:
         self._folder, self._solver, self._digest = folder, solver, digest
+        self._white = white
         self._picture = _picture_in(folder)
         self._preview = self._open_preview() if preview and len(solver.scene.patches) else None
         self._checkpoint_pace, self._preview_pace = Pace(), Pace()
@@ -88,7 +92,7 @@ class LiveFiles:
 
     def _open_preview(self) -> Preview:
         on_device = self._solver.on_device
-        return Preview(self._solver.scene, on_device.device, bvh=on_device.bvh)
+        return Preview(self._solver.scene, on_device.device, bvh=on_device.bvh, white=self._white)
 
     def _draw(self) -> None:
         if self._preview is not None:
@@ -96,14 +100,14 @@ class LiveFiles:
             self._preview.write(self._solver, self._picture)
 
 
-def draw_first_picture(scene: Scene, device: Device, folder: Path) -> None:
+def draw_first_picture(scene: Scene, device: Device, folder: Path, white: WhiteName) -> None:
     """Show the scene in ``pictures/preview.png`` before anything is solved; a full disk does not stop the run."""
     if not len(scene.patches):
         return
     picture = _picture_in(folder)
     with suppress(OutputError, OSError):
         picture.parent.mkdir(exist_ok=True)
-        write_first_picture(scene, device, picture)
+        write_first_picture(scene, device, picture, white)
 
 
 def _picture_in(folder: Path) -> Path:

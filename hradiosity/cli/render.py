@@ -9,6 +9,7 @@ from typing import Annotated
 from cyclopts import Parameter
 
 from hradiosity.cli.settings import EFFORT, OUTPUT, Settings
+from hradiosity.cli.values import White
 from hradiosity.errors import Fault, SceneError
 
 
@@ -21,6 +22,7 @@ def render(
     resume: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     referee: Annotated[int | None, Parameter(group=EFFORT)] = None,
     pictures: Annotated[bool, Parameter(negative="--no-pictures", group=OUTPUT)] = True,
+    white: Annotated[White, Parameter(group=OUTPUT)] = White.as_measured,
     interval_parts: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     full_metrics: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     quiet: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
@@ -44,6 +46,9 @@ def render(
         Compare with so many unbiased paths from each reading.
     pictures
         Draw the views of the scene.
+    white
+        What pictures show as white: as-measured, the display's own white, so that warm light looks warm; or lamps,
+        the mean light of the scene's lamps, as to an eye that has got used to it.
     interval_parts
         In readings.csv, tell what the intervals are made of: sampling, mesh, iteration, spectral, precision.
     full_metrics
@@ -67,6 +72,7 @@ def render(
             resume=resume,
             referee=referee,
             pictures=pictures,
+            white=white.value,
             interval_parts=interval_parts,
             quiet=quiet,
             json=json,

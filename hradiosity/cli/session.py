@@ -29,6 +29,7 @@ from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.radiosity import make_solver
 from hradiosity.radiosity.referee import Referee
+from hradiosity.show.white import WhiteName
 from hradiosity.solution import Solution
 
 
@@ -43,6 +44,7 @@ class Request:
     resume: bool
     referee: int | None
     pictures: bool
+    white: WhiteName
     interval_parts: bool
     quiet: bool
     json: bool
@@ -102,7 +104,7 @@ class _Session:
             self._announce_builds()
             if self.request.pictures and not self.request.resume:
                 start = time.perf_counter()
-                draw_first_picture(self.scene, self._device, self.partial)
+                draw_first_picture(self.scene, self._device, self.partial, self.request.white)
                 self.seconds["first picture"] = time.perf_counter() - start
             plan = self._solver.plan
             display.lines(note_lines(self._solver.notes))
@@ -148,7 +150,9 @@ class _Session:
         options = self.request.options
         expectation = Expectation(options.accuracy, options.time)
         try:
-            self._live = LiveFiles(self.partial, self._solver, digest, preview=self.request.pictures)
+            self._live = LiveFiles(
+                self.partial, self._solver, digest, preview=self.request.pictures, white=self.request.white
+            )
             for state in self._solver.states():
                 self._display.state(state, expectation.remaining(state))
                 self._live.update()
@@ -209,14 +213,18 @@ class _Session:
 
     def _draw(self, solution: Solution) -> bool:
         """Draw the pictures; returns whether that was interrupted."""
-        from hradiosity.show.pictures import write_pictures
+        from hradiosity.show.pictures import PictureOptions, write_pictures
 
         start = time.perf_counter()
         self._display.stage("drawing pictures")
         try:
             with let_through():
                 drawn = write_pictures(
-                    solution, self.partial / "pictures", self._device, on_device=self._solver.on_device
+                    solution,
+                    self.partial / "pictures",
+                    self._device,
+                    PictureOptions(white=self.request.white),
+                    on_device=self._solver.on_device,
                 )
         except KeyboardInterrupt:
             return True

@@ -24,6 +24,13 @@ class Switch(Enum):
         return {"auto": None, "on": True, "off": False}[self.value]
 
 
+class White(Enum):
+    """What pictures show as white; names as in `hradiosity.show.white`, which is not imported for ``--help``."""
+
+    as_measured = "as-measured"
+    lamps = "lamps"
+
+
 def share(kind: object, tokens: Sequence[Any]) -> float:
     """``1%`` or ``0.01`` as 0.01; called by cyclopts."""
     text = str(tokens[0].value)

@@ -20,6 +20,7 @@ from hradiosity.show.row_gather import gather_rows
 from hradiosity.show.scale_bar import Scale, false_colours, with_scale_bar
 from hradiosity.show.seams import level_seams
 from hradiosity.show.shading import flat_light, line_mask, locate, refinement_goal, smooth_light
+from hradiosity.show.white import White
 from hradiosity.solution import Solution
 from hradiosity.transport.device_scene import DeviceScene
 from hradiosity.transport.glow import sampled_scene
@@ -85,6 +86,7 @@ class Drawing:
     shadow: ShadowLight
     at_vertex: NDArray[np.float32]
     sky: NDArray[np.float64]
+    white: White
 
     @cached_property
     def smooth(self) -> NDArray[np.float32]:
@@ -118,6 +120,10 @@ class Drawing:
         xyz[self.points.side == ABOVE] = self.sky
         return xyz.astype(np.float32)
 
+    def shown(self, xyz: NDArray[np.float32]) -> NDArray[np.float32]:
+        """X, Y, Z (n, 3) as displays show them, adapted if that was asked for."""
+        return self.white.shown(xyz).astype(np.float32)
+
     def dull_radiance(self) -> NDArray[np.float32]:
         """X, Y, Z of the points on surfaces that do not shine, (m, 3)."""
         return self.radiance(self.smooth)[self.hit & ~self.shining]
@@ -129,7 +135,7 @@ class Drawing:
 
 
 def prepare_drawing(
-    solution: Solution, on_device: DeviceScene, views: Sequence[View], refinement: RefinementOptions
+    solution: Solution, on_device: DeviceScene, views: Sequence[View], refinement: RefinementOptions, white: White
 ) -> list[Drawing]:
     """Rays of all views, and shadows refined where any of them looks."""
     scene, picture = solution.scene, picture_scene(solution)
@@ -143,7 +149,7 @@ def prepare_drawing(
     at_vertex = shadow_channels(picture, shadow)
     sky = np.zeros(3) if scene.sky is None else np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))
     return [
-        Drawing(picture, view, view_hits, picture_points(view_hits, PER_PIXEL), rows, shadow, at_vertex, sky)
+        Drawing(picture, view, view_hits, picture_points(view_hits, PER_PIXEL), rows, shadow, at_vertex, sky, white)
         for view, view_hits in zip(views, hits, strict=True)
     ]
 
@@ -188,13 +194,13 @@ _Drawn = tuple[NDArray[np.uint8], dict[str, NDArray[np.float32]], dict[str, str]
 
 def _shaded(drawing: Drawing, mode: str, white: float, _scale: Scale) -> _Drawn:
     xyz = drawing.radiance(drawing.flat if mode == "flat" else drawing.smooth)
-    developed = develop(drawing.points, xyz, drawing.view.height, drawing.view.width, white)
-    return developed.pixels, _xyz_channels(drawing, xyz), _exposure_texts(white), developed
+    developed = develop(drawing.points, drawing.shown(xyz), drawing.view.height, drawing.view.width, white)
+    return developed.pixels, _xyz_channels(drawing, xyz), _exposure_texts(drawing, white), developed
 
 
 def _wireframe(drawing: Drawing, _mode: str, white: float, _scale: Scale) -> _Drawn:
     """Dimmed smooth shading with white outlines: faint ones of leaves, strong ones of cells."""
-    xyz = drawing.radiance(drawing.smooth)
+    xyz = drawing.shown(drawing.radiance(drawing.smooth))
     height, width = drawing.view.height, drawing.view.width
     linear = np.clip(xyz_to_linear_srgb(xyz.astype(np.float64), white), 0.0, 1.0)
     shaded = pixel_means(drawing.points, linear, height * width)
@@ -204,7 +210,7 @@ def _wireframe(drawing: Drawing, _mode: str, white: float, _scale: Scale) -> _Dr
     ink = np.maximum(_CELL_INK * cells, _LEAF_INK * leaves).reshape(height, PER_PIXEL, width, PER_PIXEL)
     cover = ink.mean(axis=(1, 3)).reshape(-1, 1)
     pixels = to_bytes(encode_srgb(_DIMMED * shaded * (1.0 - cover) + cover)).reshape(height, width, 3)
-    return pixels, {}, _exposure_texts(white), None
+    return pixels, {}, _exposure_texts(drawing, white), None
 
 
 def _unshaded(drawing: Drawing, _mode: str, _white: float, _scale: Scale) -> _Drawn:
@@ -238,8 +244,12 @@ def _xyz_channels(drawing: Drawing, xyz: NDArray[np.float32]) -> dict[str, NDArr
     return {name: means[:, c].reshape(height, width) for c, name in enumerate("XYZ")}
 
 
-def _exposure_texts(white: float) -> dict[str, str]:
-    return {"exposure": f"white is {white:.6g} cd/m²", "units": "X, Y, Z of CIE 1931, Y in cd/m²"}
+def _exposure_texts(drawing: Drawing, white: float) -> dict[str, str]:
+    return {
+        "exposure": f"white is {white:.6g} cd/m²",
+        "colours": drawing.white.words,
+        "units": "X, Y, Z of CIE 1931, Y in cd/m²",
+    }
 
 
 def _file_name(name: str) -> str:

@@ -17,6 +17,7 @@ from hradiosity.show.camera import ABOVE, ViewHits, trace_view
 from hradiosity.show.exposure import to_bytes, white_luminance
 from hradiosity.show.files import png_bytes, write_bytes
 from hradiosity.show.light import emitted_xyz, paint_colours, reflected_channels
+from hradiosity.show.white import White, WhiteName, white_of
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import side_materials
@@ -57,7 +58,7 @@ class _Samples:
     beside: NDArray[np.int64]
 
 
-def write_first_picture(scene: Scene, device: Device, path: Path) -> None:
+def write_first_picture(scene: Scene, device: Device, path: Path, white: WhiteName = "as-measured") -> None:
     """Write `first_picture` as a PNG.
 
     Raises
@@ -65,7 +66,7 @@ def write_first_picture(scene: Scene, device: Device, path: Path) -> None:
     OutputError
         When the file can't be written.
     """
-    view, pixels = first_picture(scene, device)
+    view, pixels = first_picture(scene, device, white)
     write_bytes(path, png_bytes(pixels, preview_texts(scene, view)))
 
 
@@ -81,7 +82,7 @@ def first_view(scene: Scene, bvh: Bvh) -> View:
     return automatic_view(scene, bvh, np.ones((len(scene.patches), 2), np.bool_))
 
 
-def first_picture(scene: Scene, device: Device) -> tuple[View, NDArray[np.uint8]]:
+def first_picture(scene: Scene, device: Device, white: WhiteName = "as-measured") -> tuple[View, NDArray[np.uint8]]:
     """The scene's first view, (height, width, 3) sRGB.
 
     Direct light comes from the strongest lamps by a few shadow rays. All that reflections add is one irradiance for
@@ -94,6 +95,8 @@ def first_picture(scene: Scene, device: Device) -> tuple[View, NDArray[np.uint8]
     scene : Scene
         With at least one patch.
     device : Device
+    white : WhiteName
+        What is shown as white, see `hradiosity.show.white`.
     """
     bvh = build_bvh(device, scene.patches)
     view = first_view(scene, bvh)
@@ -103,7 +106,7 @@ def first_picture(scene: Scene, device: Device) -> tuple[View, NDArray[np.uint8]
     irradiance = _irradiance(scene, bvh, samples, material)
     if irradiance.any():
         of_sample = reflected_channels(scene, material, irradiance)[:, :3] / np.float32(np.pi)
-        linear = _with_lamps(scene, hits, _interpolated(samples, view, of_sample))
+        linear = _with_lamps(scene, hits, _interpolated(samples, view, of_sample), white_of(scene, white))
     else:
         colours = np.append(paint_colours(scene)[material], np.zeros((1, 3)), axis=0)
         linear = xyz_to_linear_srgb(colours[samples.number], 1.0)
@@ -196,12 +199,12 @@ def _interpolated(samples: _Samples, view: View, of_sample: NDArray[np.float32])
     return out
 
 
-def _with_lamps(scene: Scene, hits: ViewHits, radiance: NDArray[np.float32]) -> NDArray[np.float64]:
+def _with_lamps(scene: Scene, hits: ViewHits, radiance: NDArray[np.float32], white: White) -> NDArray[np.float64]:
     """(n_pixels, 3) linear sRGB of reflected radiance (n_pixels, 3), with what shines by itself."""
     emitted = emitted_xyz(scene)[np.maximum(hits.side, 0)] / np.pi
     emitted[hits.side < 0] = 0.0
     dull = (hits.side >= 0) & ~emitted.any(axis=1)
-    white = white_luminance([radiance[dull][::_EVERY]])
+    luminance = white_luminance([white.shown(radiance[dull][::_EVERY]).astype(np.float32)])
     if scene.sky is not None:
         emitted[hits.side == ABOVE] = np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))
-    return xyz_to_linear_srgb((radiance + emitted).astype(np.float64), white)
+    return xyz_to_linear_srgb(white.shown(radiance + emitted), luminance)

@@ -18,6 +18,7 @@ from hradiosity.show.drawing import Drawing, Picture, draw_view, prepare_drawing
 from hradiosity.show.exposure import white_luminance
 from hradiosity.show.files import png_bytes, write_bytes, write_exr
 from hradiosity.show.scale_bar import Scale, automatic_scale
+from hradiosity.show.white import WHITES, WhiteName, white_of
 from hradiosity.solution import Solution
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import NONE
@@ -37,6 +38,7 @@ class PictureOptions:
     modes : any of `MODES`
     white_luminance : luminance shown as white [cd m⁻²]; None: one in a hundred pixels of what does not shine is
         brighter, over all views together
+    white : what is shown as white: the display's own white, or the light of the lamps; EXR files stay as measured
     quantity : what false colours stand for
     logarithmic : whether equal ratios are equal steps of the false colours
     scale_range : lowest and highest number of the false colours, in lx or cd m⁻²; None: from the pictures
@@ -45,6 +47,7 @@ class PictureOptions:
 
     modes: tuple[Mode, ...] = MODES
     white_luminance: float | None = None
+    white: WhiteName = "as-measured"
     quantity: Literal["illuminance", "luminance"] = "illuminance"
     logarithmic: bool = False
     scale_range: tuple[float, float] | None = None
@@ -54,6 +57,8 @@ class PictureOptions:
         unknown = [mode for mode in self.modes if mode not in MODES]
         if unknown or not self.modes:
             raise ValueError(f"modes must be some of {', '.join(MODES)}, are {self.modes}")
+        if self.white not in WHITES:
+            raise ValueError(f"white must be one of {', '.join(WHITES)}, is {self.white!r}")
         if self.white_luminance is not None and not (0.0 < self.white_luminance < np.inf):
             raise ValueError(f"white_luminance must be > 0 cd/m², is {self.white_luminance}")
         if self.scale_range is not None:
@@ -132,8 +137,8 @@ def draw_pictures(
         sampled = sampled_scene(scene, solution.plan.weak_emitters)
         on_device = upload_scene(device, sampled, bvh, occlusion=solution.plan.occlusion)
     views, notes = _views(solution, on_device)
-    drawings = prepare_drawing(solution, on_device, views, options.refinement)
-    white = options.white_luminance or white_luminance([d.dull_radiance() for d in drawings])
+    drawings = prepare_drawing(solution, on_device, views, options.refinement, white_of(scene, options.white))
+    white = options.white_luminance or white_luminance([d.shown(d.dull_radiance()) for d in drawings])
     scale = _scale(options, drawings)
     pictures = tuple(
         draw_view(drawing, mode, white=white, scale=scale) for drawing in drawings for mode in options.modes
@@ -180,7 +185,7 @@ def _record(
         "exposure": {
             "white_luminance_cd_m2": white,
             "rule": "as asked for" if asked else "1 in 100 points that do not shine is brighter, all views together",
-            "colours": "CIE 1931 XYZ to sRGB without adaptation to the light; clipped, no tone curve",
+            "colours": f"{drawings[0].white.words}; clipped, no tone curve",
         },
         "false_color": {
             "quantity": scale.quantity,

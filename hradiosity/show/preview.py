@@ -17,6 +17,7 @@ from hradiosity.show.exposure import to_bytes, white_luminance
 from hradiosity.show.files import png_bytes, write_bytes
 from hradiosity.show.first_picture import first_view, preview_texts
 from hradiosity.show.light import emitted_xyz, reflected_channels
+from hradiosity.show.white import WhiteName, white_of
 from hradiosity.solution import Solution
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh
@@ -43,12 +44,22 @@ class Preview:
         The first of the scene, or an automatic one, if left out.
     bvh : Bvh, optional
         The scene's ray structure, where it is at hand already.
+    white : WhiteName
+        What is shown as white, see `hradiosity.show.white`.
     """
 
-    def __init__(self, scene: Scene, device: Device, view: View | None = None, bvh: Bvh | None = None) -> None:
+    def __init__(
+        self,
+        scene: Scene,
+        device: Device,
+        view: View | None = None,
+        bvh: Bvh | None = None,
+        white: WhiteName = "as-measured",
+    ) -> None:
         bvh = build_bvh(device, scene.patches) if bvh is None else bvh
         self.view = first_view(scene, bvh) if view is None else view
         self._scene = scene
+        self._white = white_of(scene, white)
         self._hits: ViewHits = trace_view(bvh, self.view, 1)
         self._emitted = emitted_xyz(scene)
         self._elements: Elements | None = None
@@ -82,10 +93,11 @@ class Preview:
         radiance = (np.where(row[:, None] >= 0, of_row[np.maximum(row, 0)], np.float32(0.0)) + emitted) / np.pi
         if scene.sky is not None:
             radiance[side == ABOVE] = np.einsum("b,bc->c", scene.sky.radiance, xyz_weights(scene.bands))
+        shown = self._white.shown(radiance)
         if self.white_luminance is None:
             dull = ((row >= 0) & (side == NOTHING))[self._number]
-            self.white_luminance = white_luminance([radiance.astype(np.float32)[self._number[dull][::_EVERY]]])
-        return xyz_to_linear_srgb(radiance.astype(np.float64), self.white_luminance)
+            self.white_luminance = white_luminance([shown.astype(np.float32)[self._number[dull][::_EVERY]]])
+        return xyz_to_linear_srgb(shown, self.white_luminance)
 
     def _locate(self, elements: Elements) -> None:
         """Number what is seen: row elements, emitting sides of them, the sky."""
