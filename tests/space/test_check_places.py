@@ -51,6 +51,25 @@ def test_readings_on_surfaces_and_well_below_them_are_fine(device, tmp_path, pos
     assert grave(findings(device, tmp_path, SOUND + TABLE + points("eye", [position], normal))) == []
 
 
+@pytest.mark.parametrize(
+    ("position", "normal", "cuts"),
+    [
+        ((2, 0, 0), (0, 0, 1), ["room"]),
+        ((0, 0, 0), (0, 0, 1), ["room"]),
+        ((2, 0, 0), (0, 0.6, 0.8), ["room"]),
+        ((1.5, 1.0, 0.715), (0, -1, 0), []),
+        ((2, 1e-4, 0), (0, 0, 1), []),
+        ((2, 2, 0), (0, 0, 1), []),
+    ],
+    ids=("edge", "corner", "tilted", "side of a table", "beside the edge", "floor"),
+)
+def test_readings_in_edges(device, tmp_path, position, normal, cuts):
+    found = findings(device, tmp_path, SOUND + TABLE + points("eye", [position], normal))
+    cutting = of_kind(found, "sensor-in-edge")
+    assert [finding.message.split("'")[3] for finding in cutting] == cuts
+    assert all("reads a part of the light only" in finding.effect for finding in cutting)
+
+
 def test_readings_turned_round_outside_and_in_the_dark(device, tmp_path):
     turned = findings(device, tmp_path, SOUND + points("eye", [(0, 2, 1)], (-1, 0, 0)))
     assert grave(turned) == ["sensor-turned-round"]

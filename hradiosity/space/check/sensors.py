@@ -1,4 +1,4 @@
-"""Sensors that can't mean what they read: inside solids, covered, turned round, in the dark."""
+"""Sensors that can't mean what they read: inside solids, covered, cut in two, turned round, in the dark."""
 
 from __future__ import annotations
 
@@ -62,13 +62,14 @@ def look_from_sensors(subject: Subject) -> SensorViews:
 
 
 def sensor_findings(subject: Subject, seen: SensorViews) -> Iterator[Finding]:
-    """Readings inside solids, covered by a near surface, on the wrong side, outside, or in a dark space."""
+    """Readings inside solids, covered or cut in two by a surface, on the wrong side, outside, or in a dark space."""
     if len(seen.position) == 0:
         return
     solid = enclosing_solids(subject, seen.position + subject.offset * seen.normal, seen.views)
     inside = solid != NONE
     covered, cover, distance = _covered(subject, seen)
     covered &= ~inside
+    cut = np.where(inside | covered, NONE, _crossing(subject, seen))
     dark = ~inside & ~covered & (seen.views.share(LIT) == 0.0)
     dark[dark] = ~_sees_lamp(subject, seen, np.flatnonzero(dark))
     behind = _looks_back(subject, seen, np.flatnonzero(dark))
@@ -76,6 +77,7 @@ def sensor_findings(subject: Subject, seen: SensorViews) -> Iterator[Finding]:
         own = seen.sensor == number
         yield from _inside(subject, seen, sensor, np.flatnonzero(own & inside), solid)
         yield from _under(subject, seen, sensor, np.flatnonzero(own & covered), cover, distance)
+        yield from _cut(subject, seen, sensor, np.flatnonzero(own & (cut != NONE)), cut)
         yield from _in_the_dark(seen, sensor, np.flatnonzero(own & dark), behind)
 
 
@@ -84,6 +86,25 @@ def _covered(subject: Subject, seen: SensorViews) -> tuple[NDArray[np.bool_], ND
     hits = trace(subject, seen.position + subject.offset * seen.normal, seen.normal)
     distance = hits.t.astype(np.float64) + subject.offset
     return (hits.patch != NONE) & (distance < COVERED_WITHIN), hits.patch, distance
+
+
+def _crossing(subject: Subject, seen: SensorViews) -> NDArray[np.int32]:
+    """(all readings,) patch that passes through the place that a reading's rays start from, or NONE.
+
+    Four short lines through that place, along the reading's own plane, meet it.
+    """
+    normal = seen.normal
+    axis = np.eye(3)[np.abs(normal).argmin(axis=1)]
+    first = np.cross(normal, axis)
+    first /= np.linalg.norm(first, axis=1, keepdims=True)
+    second = np.cross(normal, first)
+    place = seen.position + subject.offset * normal
+    found = np.full(len(place), NONE, np.int32)
+    for along, across in ((1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (1.0, -1.0)):
+        way = 2.0 * subject.offset * (along * first + across * second)
+        hits = trace(subject, place - 0.5 * way, way)
+        found = np.where((found == NONE) & (hits.t <= 1.0), hits.patch, found)
+    return found
 
 
 def _sees_lamp(subject: Subject, seen: SensorViews, reading: NDArray[np.int64]) -> NDArray[np.bool_]:
@@ -169,6 +190,22 @@ def _under(
                 "put it on the other side of the surface, or farther off",
             ),
         )
+
+
+def _cut(
+    subject: Subject, seen: SensorViews, sensor: Sensor, bad: NDArray[np.int64], patch: NDArray[np.int32]
+) -> Iterator[Finding]:
+    """Readings in edges, corners and on sheets seen edge-on, one finding for each object that cuts them."""
+    owner = subject.scene.patches.object[np.maximum(patch[bad], 0)]
+    for number in np.unique(owner):
+        verdict = _Verdict(
+            "sensor-in-edge",
+            "warning",
+            f"right in a surface of '{subject.scene.objects[number]}'",
+            "rays start on both sides of that surface, so that it reads a part of the light only",
+            "move it a millimetre away from the surface",
+        )
+        yield _finding(seen, sensor, bad[owner == number], verdict)
 
 
 def _in_the_dark(
