@@ -19,10 +19,11 @@ from hradiosity.solvers.result import Columns, Progress, Solved, Stage, Watch
 from hradiosity.solvers.stationary import gauss_seidel, jacobi
 from hradiosity.solvers.stored_shooting import southwell
 
-FIRST_ROUNDS: Final = 1.0
-"""Of `auto`: shots before the conjugate gradients take over, over the number of elements."""
-FEW_ROUNDS: Final = 3.0
-"""Rooms that shooting is expected to finish in so many rounds are left to it."""
+FIRST_ROUNDS: Final = 1.0 / 16.0
+"""Of `auto`: shots before the conjugate gradients take over, over the number of elements. The brightest ones show the
+light; a whole round takes as long as the conjugate gradients need to the end."""
+FEW_ROUNDS: Final = 0.5
+"""Rooms that shooting is expected to finish in so many rounds are left to it, for twice as many."""
 
 Solver: TypeAlias = Callable[..., Solved]
 
@@ -101,13 +102,13 @@ def _shoot_then_finish(
     start: Columns | None = None,
     watch: Watch | None = None,
 ) -> Solved:
-    """A round of shots, which shows the light soonest; then conjugate gradients from there, unless little is left."""
+    """A few shots, which show the light soonest; then conjugate gradients from there, unless little is left."""
     cpu = time.process_time()
     area = operator.root_area.astype(np.float64) ** 2
     mean = np.einsum("r,rc->c", area, reflectance) / max(float(area.sum()), float(np.finfo(np.float64).tiny))
     swift = rounds_expected(float(mean.max(initial=0.0)), tolerance) <= FEW_ROUNDS
-    rounds = {} if swift else {"max_rounds": FIRST_ROUNDS}
-    first = shoot(operator, reflectance, direct, tolerance=tolerance, start=start, watch=watch, **rounds)
+    rounds = 2.0 * FEW_ROUNDS if swift else FIRST_ROUNDS
+    first = shoot(operator, reflectance, direct, tolerance=tolerance, start=start, watch=watch, max_rounds=rounds)
     done = Stage("southwell", first.convergence.products, first.convergence.residual[-1])
     if first.convergence.converged:
         return Solved(first.irradiance, replace(first.convergence, solver="auto", stages=(done,)))

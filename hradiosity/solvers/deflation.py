@@ -56,18 +56,20 @@ def _orthonormalise(vector: NDArray[np.float64], basis: list[NDArray[np.float64]
 
 
 class CoarseSpace:
-    """The deflation space of each column: W, A W and (Wᵀ A W)⁻¹ with A = I − R½ S R½."""
+    """The deflation space of each column: W, A W and (Wᵀ A W)⁻¹ with A = I − R½ S R½.
+
+    W is 0 at black elements, where the solution is: a part of it that came back there would be all of their residual,
+    however small.
+    """
 
     def __init__(self, operator: ExchangeOperator, root: Columns, vectors: NDArray[np.float64]) -> None:
         self.size, self._dtype = vectors.shape[1], operator.dtype
         self._w = vectors.astype(self._dtype)
-        self._aw = [w[:, None] - root * operator.apply(root * w[:, None]) for w in self._w.T]
+        self._reflects = (root > 0.0).astype(self._dtype)
+        self._aw = [self._reflects * w[:, None] - root * operator.apply(root * w[:, None]) for w in self._w.T]
         small = np.array([[column_dot(w[:, None], aw) for aw in self._aw] for w in self._w.T])
-        self._inverse = np.linalg.inv(np.moveaxis(small, 2, 0))
-
-    def solve(self, residual: Columns) -> Columns:
-        """W (Wᵀ A W)⁻¹ Wᵀ r."""
-        return self._combine(np.array([column_dot(w[:, None], residual) for w in self._w.T]))
+        # Where all of a vector's elements are black nothing is left of it, and the matrix has no inverse.
+        self._inverse = np.linalg.pinv(np.moveaxis(small, 2, 0), hermitian=True)
 
     def project(self, residual: Columns) -> Columns:
         """W (Wᵀ A W)⁻¹ (A W)ᵀ r: the part of a direction that is not conjugate to W."""
@@ -79,12 +81,12 @@ class CoarseSpace:
         image = np.zeros_like(residual)
         for aw, factor in zip(self._aw, factors):
             image += aw * factor
-        return np.einsum("ni,ic->nc", self._w, factors), image
+        return self._reflects * np.einsum("ni,ic->nc", self._w, factors), image
 
     def _factors(self, right: NDArray[np.float64]) -> Columns:
         factors: Columns = np.einsum("cij,jc->ic", self._inverse, right).astype(self._dtype)
         return factors
 
     def _combine(self, right: NDArray[np.float64]) -> Columns:
-        combined: Columns = np.einsum("ni,ic->nc", self._w, self._factors(right))
+        combined: Columns = self._reflects * np.einsum("ni,ic->nc", self._w, self._factors(right))
         return combined

@@ -108,9 +108,9 @@ def _conjugate_gradients(
 
     residual = rhs - apply(solution) if solution.any() else rhs.copy()
     if coarse is not None:
-        correction = coarse.solve(residual)
+        correction, its_image = coarse.remove(residual)
         solution = solution + correction
-        residual = residual - apply(correction)
+        residual = residual - its_image
     direction = residual if coarse is None else residual - coarse.project(residual)
     power = column_dot(residual, residual)
     history = [measure(residual, solution)]

@@ -220,3 +220,15 @@ def test_unconverged_is_said(device):
         device, matrix, area, np.full((50, 1), 0.99), rng.random((50, 1)), max_iterations=2, tolerance=1e-6
     )
     assert not convergence.converged and len(convergence.residual) == 3
+
+
+@pytest.mark.parametrize("black", [0.02, 0.5, 1.0])
+def test_black_elements_with_deflation(device, black):
+    """Their own solution is 0: a share of a deflation vector there would be a residual that never falls."""
+    rng = np.random.default_rng(17)
+    matrix, area = closed_space(rng, 200)
+    reflectance = np.where(rng.random((200, 8)) < black, 0.0, 0.95)
+    direct = rng.random((200, 8))
+    found, convergence = solved(device, matrix, area, reflectance, direct, deflate=True, tolerance=1e-4)
+    assert convergence.converged and convergence.products < 16
+    np.testing.assert_allclose(found, solve_dense(matrix, area, reflectance, direct), rtol=2e-3)

@@ -14,7 +14,7 @@ from hradiosity.suites.cost.protocols import Bench, Event
 from hradiosity.suites.cost.settings import BANDS, FORCED, SOLVERS, Setting, for_bands, for_solver, forced
 from hradiosity.suites.cost.values import BandsPrice, EffectPrice, Run, SolverPrice
 
-SLOWER_THAN_CG: Final = {"southwell": 60.0, "overshooting": 15.0, "jacobi": 15.0, "gauss-seidel": 15.0, "auto": 5.0}
+SLOWER_THAN_CG: Final = {"southwell": 60.0, "overshooting": 15.0, "jacobi": 15.0, "gauss-seidel": 15.0, "auto": 2.0}
 """Seconds of other solvers over those of the conjugate gradients in a bright room (README); none is much slower."""
 DENSE_SECONDS, DENSE_ELEMENTS, DENSE_COLUMNS = 5.0, 542, 81
 """What direct solvers took for so many elements and columns; it grows with the third power of the elements."""
