@@ -6,7 +6,6 @@ from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from hradiosity.device import Device
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
@@ -26,6 +25,8 @@ class Companion:
     """
 
     def __init__(self, parent: NDArray[np.int64], element_area: NDArray[np.float64]) -> None:
+        from scipy.sparse import csr_array
+
         n_rows, n_coarse = len(parent), int(parent.max(initial=-1)) + 1
         self._parent = parent
         self._area = element_area
@@ -72,6 +73,8 @@ class Companion:
         return np.asarray(lit[self._parent])
 
     def _exchange(self, fine: Exchange) -> Exchange:
+        from scipy.sparse import csr_array
+
         n_rows = len(self._parent)
         links = csr_array((fine.area, fine.source.astype(np.int64), fine.start.astype(np.int64)), (n_rows, n_rows))
         joined = csr_array(self._joins @ links @ self._joins.T)

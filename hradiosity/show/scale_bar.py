@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -15,6 +16,9 @@ STRIP_WIDTH: Final = 96
 """Pixels that the scale takes beside the picture."""
 DECADES: Final = 3
 """Of a logarithmic scale whose lower end nobody named."""
+TICK_STEPS: Final = (1.0, 2.0, 5.0, 10.0)
+TOPS: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
+"""First digits of the upper end of a scale: closer together than ticks, so that little of the colours goes unused."""
 _NOTHING: Final = 0.25
 """Grey where the view leaves the scene."""
 _MARGIN, _BAR, _TICK, _TEXT = 14, 18, 4, 12
@@ -62,16 +66,16 @@ class Scale:
         return ticks
 
 
-def round_up(value: float) -> float:
-    """The next of …, 1, 2, 5, 10, 20, … that is no smaller than ``value`` > 0."""
+def round_up(value: float, numbers: Sequence[float] = TICK_STEPS) -> float:
+    """The next of …, 1, 2, 5, 10, 20, … that is no smaller than ``value`` > 0, or of other `numbers` 1 … 10."""
     decade = 10.0 ** np.floor(np.log10(value))
-    return float(next(decade * m for m in (1.0, 2.0, 5.0, 10.0) if decade * m >= value * (1.0 - 1e-9)))
+    return float(next(decade * m for m in numbers if decade * m >= value * (1.0 - 1e-9)))
 
 
 def automatic_scale(values: NDArray[np.floating], *, logarithmic: bool, quantity: str, unit: str) -> Scale:
     """A scale that holds all but the brightest hundredth of the values; 0 or three decades below at its other end."""
     bright = float(np.quantile(values, 0.99)) if len(values) else 0.0
-    high = round_up(bright) if bright > 0.0 else 1.0
+    high = round_up(bright, TOPS) if bright > 0.0 else 1.0
     return Scale(high * 10.0**-DECADES if logarithmic else 0.0, high, logarithmic, quantity, unit)
 
 

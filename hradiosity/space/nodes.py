@@ -7,16 +7,18 @@ Row elements are the leaves, with their numbers; groups of small faces are leave
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_array
 
 from hradiosity.model.geometry import Patches
 from hradiosity.space.cell_lookup import CELL_CORNERS, CellFrames, cell_frames
 from hradiosity.space.cells import cell_corners, place_corners
 from hradiosity.space.hierarchy import Elements
+
+if TYPE_CHECKING:
+    from scipy.sparse import csr_array
 
 ROOT: Final = -1
 """Parent of a node that has none."""
@@ -99,6 +101,8 @@ class Nodes:
 
         Its product with values of the row elements pulls them up by summing; that of its transpose pushes down.
         """
+        from scipy.sparse import csr_array
+
         rows = np.arange(self.n_rows)
         node, leaf, at = [rows], [rows], rows
         for _ in range(self.n_levels - 1):

@@ -36,6 +36,13 @@ def test_importing_the_package_loads_nothing_heavy():
     assert done.stdout.strip() == "[]"
 
 
+def test_the_first_picture_waits_for_no_solver_library():
+    """A run reads its scene and draws its first picture with what this loads."""
+    modules = "hradiosity.cli.session, hradiosity.show.first_picture"
+    done = python("-c", f"import sys, {modules}; print([n for n in {HEAVY!r} if n in sys.modules])")
+    assert done.stdout.strip() == "['numpy', 'pydantic']"
+
+
 def test_every_verb_has_help(call):
     for verb in ("render", "plan", "devices", "schema", "new"):
         shown = call(verb, "--help")

@@ -55,6 +55,7 @@ def test_places_on_a_scale():
 def test_automatic_scale_ends_at_a_round_number():
     values = np.append(np.linspace(0, 430, 1000), 1e6)
     assert automatic_scale(values, logarithmic=False, quantity="q", unit="u").high == 500
+    assert automatic_scale(0.5 * values, logarithmic=False, quantity="q", unit="u").high == 250
     logs = automatic_scale(values, logarithmic=True, quantity="q", unit="u")
     assert (logs.low, logs.high) == pytest.approx((0.5, 500))
     assert automatic_scale(np.zeros(0), logarithmic=False, quantity="q", unit="u").high == 1
