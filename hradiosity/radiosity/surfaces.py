@@ -129,7 +129,8 @@ class SurfaceSolver:
         equal = columns.expansion.sum(axis=1)
         brightness = luminous + EQUAL_ENERGY_WEIGHT * equal
         # Only ratios matter, and squares of very strong or weak light would leave single precision.
-        self._weight_on_device = device.upload(columns.padded(brightness / max(brightness.max(), np.finfo(float).tiny)))
+        brightness /= brightness.max(initial=np.finfo(float).tiny)
+        self._weight_on_device = device.upload(columns.padded(brightness))
         self._sky = columns.padded(columns.sky)
         self._sky_on_device = device.upload(self._sky)
         weight = columns.padded(shooting_weights(columns.expansion, luminous_weights(scene.bands)))
