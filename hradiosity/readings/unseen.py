@@ -23,7 +23,8 @@ def brightest_unseen(
     """Most that one ray of a dark reading could have brought, over the number of its rays.
 
     A reading counts as dark where it has no light in any column, but some of its paths end where light may come. All
-    others have a spread of their own, or are surely 0: they see nothing, or only sides that no light reaches.
+    others have a spread of their own, or are surely 0: they see nothing, or only sides that no light reaches. Where no
+    paths are traced, shadow rays alone can't tell that, unless they go to a point.
 
     Parameters
     ----------
@@ -37,13 +38,16 @@ def brightest_unseen(
     -------
     (n, n_columns) float64, or None where no reading is dark
     """
-    dark = np.flatnonzero((samples.irradiance == 0.0).all(axis=1) & (samples.ended_on_rows > 0.0))
+    dark = np.flatnonzero(
+        (samples.irradiance == 0.0).all(axis=1) & ((samples.ended_on_rows > 0.0) | (gather_samples == 0))
+    )
     if not len(dark):
         return None
     used = light.columns.n_columns
     brightest = scene.device.fetch(light.reflected)[:, :used].max(axis=0, initial=0.0).astype(np.float64)
     clear = direct_at_points(scene.without_occlusion(), position[dark], normal[dark], 1, 0).astype(np.float64)
-    straight = np.einsum("xe,ec->xc", clear, light.emission[:, :used])
+    has_area = scene.device.fetch(scene.emitters["emitter_extent"])[: scene.n_emitters, 0] > 0.0
+    straight = np.einsum("xe,ec->xc", clear * has_area, light.emission[:, :used])
     unseen = np.zeros_like(samples.irradiance)
     unseen[dark] = straight / light_samples[dark, None] + brightest / np.maximum(gather_samples[dark, None], 1)
     return unseen
