@@ -162,7 +162,7 @@ def test_full_disk(room, call, small_disk):
 def test_disk_with_room_for_a_checkpoint_only(room, call, tmp_path, monkeypatch):
     """What was computed is written by the next run, without computing it again."""
 
-    def full(*arguments):
+    def full(*arguments, **keywords):
         raise OutputError("solution.vtkhdf can't be written: no space left on device")
 
     with monkeypatch.context() as patched:
