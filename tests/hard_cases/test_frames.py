@@ -1,10 +1,9 @@
 """Hard cases 18 to 21: the same scene elsewhere, turned, in another unit, its faces in another order."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 from polygon_shapes import box_quads, hinged_square
+from random_rooms import shuffled
 from rooms import SceneBuilder, moved
 from scipy.spatial.transform import Rotation
 
@@ -89,28 +88,6 @@ def test_case_20_metres_taken_for_millimetres(device, here, factor):
     near = form_factor(QUADS[0], hinged_square(120.0), method="contour", device=device).value
     found = form_factor(factor * QUADS[0], factor * hinged_square(120.0), method="contour", device=device).value
     assert found == pytest.approx(near, rel=1e-10)
-
-
-def shuffled(scene, seed):
-    """Patches in another order, each from another of its corners."""
-    rng = np.random.default_rng(seed)
-    patches = scene.patches
-    order = rng.permutation(len(patches))
-    place = np.argsort(order)
-    turns = rng.integers(0, 4, len(patches))
-    origin, u, v = patches.origin.copy(), patches.edge_u.copy(), patches.edge_v.copy()
-    for step in range(3):
-        which = (turns > step)[:, None]
-        far = np.where(patches.is_triangle[:, None], v - u, v)
-        origin, u, v = np.where(which, origin + u, origin), np.where(which, far, u), np.where(which, -u, v)
-    fields = {name: getattr(patches, name)[order] for name in patches.__dataclass_fields__}
-    fields |= {"origin": origin[order], "edge_u": u[order], "edge_v": v[order]}
-    patch = scene.emitters.patch
-    return replace(
-        scene,
-        patches=replace(patches, **fields),
-        emitters=replace(scene.emitters, patch=np.where(patch >= 0, place[patch], patch).astype(np.int32)),
-    )
 
 
 def test_the_shuffled_scene_is_the_same_scene():

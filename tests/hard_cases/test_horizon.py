@@ -8,6 +8,8 @@ from scipy.spatial.transform import Rotation
 
 from hradiosity import form_factor, solve
 from hradiosity.reference.point_factors import points_to_polygon
+from hradiosity.space.bvh_build import build_bvh
+from hradiosity.space.check import check_scene
 
 METHODS = (("auto", 1e-4), ("contour", 1e-9))
 WALL = np.array([[0, 0, 0], [0, 1, 0], [0, 1, 1], [0, 0, 1]], float)
@@ -47,8 +49,11 @@ def test_case_09_points_next_to_an_edge(device, exponent, along, up, share):
 
 
 def test_case_09_points_on_an_edge_and_a_corner(device):
-    """Exactly there a plate gives its limit or, by convention, nothing: a point gets no light from its own plane."""
+    """Exactly there a plate gives its limit or, by convention, nothing; the check warns of such places."""
     on_wall = np.array([[0, 0.5, 0], [0, 0, 0], [0, 1, 0], [0, 0, 0.5], [0, 0.5, 1]])
+    scene = black_plates([WALL, SQUARE], on_wall, (0, 0, 1))
+    found = check_scene(scene, build_bvh(device, scene.patches))
+    assert [finding.severity for finding in found if finding.kind == "sensor-in-edge"] == ["warning"]
     for plates in ([WALL], [WALL, SQUARE]):
         found = factors_read(device, plates, on_wall, (0, 0, 1))
         for value, limit in zip(found, (0.5, 0.25, 0.25, 0.25, 0.0)):
