@@ -44,7 +44,9 @@ def brightest_unseen(
     if not len(dark):
         return None
     used = light.columns.n_columns
-    brightest = scene.device.fetch(light.reflected)[:, :used].max(axis=0, initial=0.0).astype(np.float64)
+    reflected = scene.device.fetch(light.reflected)
+    has_rows = reflected.ndim == 2
+    brightest = reflected[:, :used].max(axis=0).astype(np.float64) if has_rows else np.zeros(used)
     clear = direct_at_points(scene.without_occlusion(), position[dark], normal[dark], 1, 0).astype(np.float64)
     has_area = scene.device.fetch(scene.emitters["emitter_extent"])[: scene.n_emitters, 0] > 0.0
     straight = np.einsum("xe,ec->xc", clear * has_area, light.emission[:, :used])

@@ -184,7 +184,7 @@ def test_52_one_triangle_and_no_sensors(device):
     blind = solve(b.scene(), QUICK, device)
     assert blind.readings == {}
     area = blind.elements.area
-    x, y, w = dunavant()
+    x, y, w = gauss_points()
     exact = (w * 8.0 * 2.0 / ((x - 0.25) ** 2 + (y - 0.25) ** 2 + 4.0) ** 1.5).sum()
     assert area @ blind.surfaces.irradiance[:, 0] / area.sum() == pytest.approx(exact, rel=1e-3)
     b.sensor((0.25, 0.25, 0.0), (0, 0, 1))
@@ -192,8 +192,17 @@ def test_52_one_triangle_and_no_sensors(device):
     assert readings.irradiance[0, 0] == pytest.approx(2.0, rel=1e-5) and readings.half_width[0, 0] < 1e-4
 
 
-def dunavant():
-    """Points and weights on the triangle (0, 0), (1, 0), (0, 1), exact for cubics, on each of 4096 parts."""
+def test_52_a_point_source_behind_a_sensor_and_nothing_else(device):
+    b = SceneBuilder()
+    b.point((0.0, 0.0, 1.0), 8.0)
+    b.sensor([(0.0, 0.0, 0.0), (0.0, 0.0, 2.0)], (0, 0, 1))
+    readings = read(b.scene(), device)
+    np.testing.assert_allclose(readings.irradiance[:, 0], [8.0, 0.0], rtol=1e-5)
+    assert readings.half_width[1, 0] == 0.0
+
+
+def gauss_points():
+    """Gauss points and weights, of sum 1, on the triangle (0, 0), (1, 0), (0, 1), by Duffy's map."""
     n = 64
     node, weight = np.polynomial.legendre.leggauss(n)
     u, v = np.meshgrid(0.5 + 0.5 * node, 0.5 + 0.5 * node)

@@ -7,6 +7,7 @@ from rooms import SceneBuilder
 from truths import QUICK, assert_agrees, only, read, rectangle_factor, unbiased
 
 from hradiosity.model.scene import Sensor, Sky
+from hradiosity.options import Options
 from hradiosity.radiosity import solve
 
 WEST = np.tile([1.0, 0.0, 0.0], (2, 1))
@@ -55,10 +56,10 @@ def test_30_far_end_of_a_corridor(device):
     b.box((2, 0, 0), (2.1, 1.5, 2), paint, solid=True)
     b.sensor([(10, 1, 0.5), (25, 1, 0.5), (39.5, 1, 0.5)], (0, 0, 1))
     scene = b.scene()
-    found = read(scene, device)
-    truth = unbiased(scene, device, 1 << 17)
+    found = read(scene, device, Options())
+    truth = unbiased(scene, device, 1 << 18)
     assert_agrees(found, truth, bias=0.03)
-    relative = (found.half_width / found.irradiance)[:, 0]
+    relative = (found.half_width / truth.irradiance)[:, 0]
     assert (found.irradiance > 0.0).all() and relative[2] > relative[0]
 
 
