@@ -79,7 +79,7 @@ def test_resume_of_a_killed_run(room, call, tmp_path, monkeypatch):
     assert_same_bits(tmp_path / "whole", tmp_path / "out")
 
 
-def killed(*arguments):
+def killed(*arguments, **keywords):
     raise RuntimeError("killed")
 
 
