@@ -55,7 +55,7 @@ def through_holes(point, low):
 
 
 @pytest.mark.slow
-def test_47_a_lamp_behind_a_sheet_of_ten_thousand_holes(device):
+def test_case_47_a_lamp_behind_a_sheet_of_ten_thousand_holes(device):
     """A fifth of it shows, in pieces: the exact light lies in the interval, and few rays say that they are few."""
     b, low = perforated()
     places = np.array([(0.0, 0.0, 0.0), (0.113, 0.207, 0.0), (-0.37, 0.119, 0.0), (0.301, -0.257, 0.0)])
@@ -73,7 +73,7 @@ def test_47_a_lamp_behind_a_sheet_of_ten_thousand_holes(device):
     assert widths[0] > 0.2 and widths[1] < 0.12
 
 
-def test_48_regular_slats_do_not_resonate_with_the_samples(device):
+def test_case_48_regular_slats_do_not_resonate_with_the_samples(device):
     """64 slats, 512 scrambles of few samples: the mean over scrambles is the exact light of what the gaps leave."""
     b = SceneBuilder()
     black = b.material(0.0)
@@ -124,7 +124,7 @@ def add_triangles(b, corners, material):
     return [b.patch(t[0], t[1] - t[0], t[2] - t[0], m, triangle=True) for t, m in zip(corners, material)]
 
 
-def test_50_integrating_sphere_with_a_port(device):
+def test_case_50_integrating_sphere_with_a_port(device):
     """E = (Φ/S) / (1 − ρ (1 − f)): the multiplier of a sphere of ρ = 0.9 whose port absorbs a share f of about 1 %."""
     rho = 0.9
     corners = sphere(3)
@@ -144,7 +144,7 @@ def test_50_integrating_sphere_with_a_port(device):
     assert mean == pytest.approx(expected, rel=1e-3)
 
 
-def test_51_a_group_that_sees_itself(device):
+def test_case_51_a_group_that_sees_itself(device):
     """Elements of many small faces of a sphere: their rows have a diagonal, close, and keep the energy."""
     corners = sphere(3)
     b = SceneBuilder()
@@ -168,7 +168,7 @@ def test_51_a_group_that_sees_itself(device):
     np.testing.assert_allclose(solution.surfaces.irradiance, 1.0, rtol=1e-5)
 
 
-def test_52_no_surfaces_and_no_lights_are_refused(tmp_path):
+def test_case_52_no_surfaces_and_no_lights_are_refused(tmp_path):
     lamp = "[[point_source]]\nname = 'bulb'\nposition = [0, 0, 1]\nluminaire = 'lamp'\n"
     header = scene_writing.HEADER + scene_writing.PAINT + scene_writing.LAMP
     (fault,) = scene_writing.faults(tmp_path, header + lamp.replace("0, 0, 1", "0.0, 0.0, 1.0"))
@@ -177,7 +177,7 @@ def test_52_no_surfaces_and_no_lights_are_refused(tmp_path):
     assert "nothing gives light; a `luminaire` on a surface, a [[point_source]] or a [sky]" in fault
 
 
-def test_52_one_triangle_and_no_sensors(device):
+def test_case_52_one_triangle_and_no_sensors(device):
     b = SceneBuilder()
     b.patch((0, 0, 0), (1, 0, 0), (0, 1, 0), b.material(0.5), triangle=True)
     b.point((0.25, 0.25, 2.0), 8.0)
@@ -192,7 +192,7 @@ def test_52_one_triangle_and_no_sensors(device):
     assert readings.irradiance[0, 0] == pytest.approx(2.0, rel=1e-5) and readings.half_width[0, 0] < 1e-4
 
 
-def test_52_a_point_source_behind_a_sensor_and_nothing_else(device):
+def test_case_52_a_point_source_behind_a_sensor_and_nothing_else(device):
     b = SceneBuilder()
     b.point((0.0, 0.0, 1.0), 8.0)
     b.sensor([(0.0, 0.0, 0.0), (0.0, 0.0, 2.0)], (0, 0, 1))
@@ -219,7 +219,7 @@ def patches_of_triangles(origin, edge_u, edge_v):
 
 
 @pytest.mark.slow
-def test_53_a_million_triangles_of_a_millimetre_in_one_heap(device):
+def test_case_53_a_million_triangles_of_a_millimetre_in_one_heap(device):
     """The hierarchy is shallow, its stack can't overflow, and rays meet what they are aimed at."""
     n = 1_000_000
     rng = np.random.default_rng(2)
@@ -234,7 +234,7 @@ def test_53_a_million_triangles_of_a_millimetre_in_one_heap(device):
     assert np.isfinite(trace_closest(bvh, np.zeros((2000, 3)), rng.normal(size=(2000, 3))).t).mean() > 0.9
 
 
-def test_54_triangles_that_all_have_one_centroid(device):
+def test_case_54_triangles_that_all_have_one_centroid(device):
     """No split by place tells them apart: halved, and each ray meets the nearest one, found here by brute force."""
     n = 500
     rng = np.random.default_rng(3)

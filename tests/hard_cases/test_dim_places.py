@@ -26,7 +26,7 @@ def points_on_walls(low, high, n):
     return np.concatenate(position), np.concatenate(normal)
 
 
-def test_30_bottom_of_a_light_well_twenty_times_as_deep_as_wide(device):
+def test_case_30_bottom_of_a_light_well_twenty_times_as_deep_as_wide(device):
     """Sky straight from above by Lambert's formula, in a black well; with reflections against unbiased paths."""
 
     def well(rho):
@@ -48,7 +48,7 @@ def test_30_bottom_of_a_light_well_twenty_times_as_deep_as_wide(device):
     assert (found.half_width > 0.0).all()
 
 
-def test_30_far_end_of_a_corridor(device):
+def test_case_30_far_end_of_a_corridor(device):
     b = SceneBuilder()
     paint = b.material(0.5)
     b.box((0, 0, 0), (40, 2, 2), paint, inward=True)
@@ -76,7 +76,7 @@ def maze():
     return b.scene()
 
 
-def test_31_light_of_three_bounces_or_more_in_a_maze(device):
+def test_case_31_light_of_three_bounces_or_more_in_a_maze(device):
     scene = maze()
     found = read(scene, device, replace(QUICK, rays_per_element=512))
     assert not only(solve(scene, replace(QUICK, interreflection=False), device)).irradiance.any()
@@ -85,7 +85,7 @@ def test_31_light_of_three_bounces_or_more_in_a_maze(device):
     assert (found.irradiance > 0.0).all()
 
 
-def test_32_two_bright_rooms_through_a_slit_of_a_millimetre(device):
+def test_case_32_two_bright_rooms_through_a_slit_of_a_millimetre(device):
     """What the dim room absorbs, (1 − ρ) S Ē, came in through the slit of area s: s times the irradiance there."""
     rho, slit = 0.9, 1e-3
     b = SceneBuilder()
@@ -119,7 +119,7 @@ def two_sealed_rooms(both):
     return b.scene()
 
 
-def test_33_of_two_sealed_rooms_the_dark_one_is_exactly_dark(device):
+def test_case_33_of_two_sealed_rooms_the_dark_one_is_exactly_dark(device):
     """The lit one has the light that it has alone; that rays prove no wall is in the interval of the other."""
     solution = solve(two_sealed_rooms(True), QUICK, device)
     lit, dark = solution.readings.values()

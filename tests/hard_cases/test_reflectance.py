@@ -18,7 +18,7 @@ from hradiosity.transport.device_scene import upload_elements
 from hradiosity.transport.exchange import build_exchange, trace_rows
 
 
-def test_34_nothing_reflects(device):
+def test_case_34_nothing_reflects(device):
     """E is the direct light, by Lambert's formula, and nothing is iterated."""
     room = cube(0.0)
     room.lamp(5, 10.0)
@@ -32,7 +32,7 @@ def test_34_nothing_reflects(device):
 
 
 @pytest.mark.parametrize("rho", [0.99, 0.999])
-def test_35_bright_closed_room_with_even_emission(device, rho):
+def test_case_35_bright_closed_room_with_even_emission(device, rho):
     """E = M / (1 − ρ) on every element and at every reading, in few products.
 
     Single precision holds ρ to 6e-8, which is 6e-8 / (1 − ρ) of the light.
@@ -48,7 +48,7 @@ def test_35_bright_closed_room_with_even_emission(device, rho):
 
 
 @pytest.mark.parametrize("rho", [0.99, 0.999])
-def test_35_bright_closed_room_with_one_lamp(device, rho):
+def test_case_35_bright_closed_room_with_one_lamp(device, rho):
     """Flux balance: (1 − ρ) Σ A E = A M over the elements, in few products."""
     room = cube(rho)
     room.lamp(5, 1.0)
@@ -96,26 +96,26 @@ material = "grey"
 """
 
 
-def test_36_a_closed_white_room_is_refused(tmp_path):
+def test_case_36_a_closed_white_room_is_refused(tmp_path):
     (fault,) = scene_writing.faults(tmp_path, BANDS + WHITE_BOX.replace("FLOOR", "white"))
     assert "reflect everything at 600 nm: light would grow without end" in fault
 
 
-def test_36_so_is_one_beside_which_something_absorbs(device, tmp_path):
+def test_case_36_so_is_one_beside_which_something_absorbs(device, tmp_path):
     """The rays tell that the grey field is in another space."""
     scene = scene_writing.load(tmp_path, BANDS + WHITE_BOX.replace("FLOOR", "white") + OUTBUILDING)
     with pytest.raises(SceneError, match="closed space around 'room' reflects everything at 600 nm"):
         solve(scene, QUICK, device)
 
 
-def test_36_and_one_made_in_python(device):
+def test_case_36_and_one_made_in_python(device):
     room = cube(1.0)
     room.lamp(5, 1.0)
     with pytest.raises(SceneError, match=r"reflects everything at 502\.5 nm"):
         solve(room.scene(), QUICK, device)
 
 
-def test_37_white_walls_over_a_black_floor(device):
+def test_case_37_white_walls_over_a_black_floor(device):
     """All that the ceiling sends ends on the floor: its mean irradiance is the ceiling's exitance."""
     room = cube([1.0, 1.0, 1.0, 1.0, 0.0, 1.0])
     room.lamp(5, 3.0)
@@ -136,7 +136,7 @@ WRONG = {
 
 
 @pytest.mark.parametrize("kind", WRONG)
-def test_38_impossible_reflectance_in_one_band(tmp_path, kind):
+def test_case_38_impossible_reflectance_in_one_band(tmp_path, kind):
     steps, message = WRONG[kind]
     paint = f"[materials.paint]\nreflectance = {{ steps = {steps} }}\n"
     header = '[scene]\nunit = "m"\nbands = { first = 420, last = 700, step = 40 }\n'
@@ -145,7 +145,7 @@ def test_38_impossible_reflectance_in_one_band(tmp_path, kind):
     assert len(found) == 1 and "materials.paint.reflectance" in found[0] and message in found[0], found
 
 
-def test_38_no_number_in_a_measured_table(tmp_path):
+def test_case_38_no_number_in_a_measured_table(tmp_path):
     (tmp_path / "paint.csv").write_text("wavelength,reflectance\n400,0.5\n550,nan\n700,0.5\n")
     text = scene_writing.OPEN_ROOM.replace("reflectance = 0.5", 'reflectance = { file = "paint.csv" }')
     (fault,) = scene_writing.faults(tmp_path, text)
@@ -164,7 +164,7 @@ def three_bands(which):
     return b.scene()
 
 
-def test_39_one_band_black_and_the_others_bright(device):
+def test_case_39_one_band_black_and_the_others_bright(device):
     """Rows and direct light are those of each band alone, so light on the surfaces is, to the solver's tolerance."""
     options = replace(QUICK, reduced_basis=False, glow=False, tolerance=1e-6)
     together = solve(three_bands([0, 1, 2]), options, device)
@@ -177,7 +177,7 @@ def test_39_one_band_black_and_the_others_bright(device):
     np.testing.assert_allclose(only(together).irradiance[:, 1], exact, rtol=1e-5)
 
 
-def test_55_rows_that_do_not_close_are_closed(device):
+def test_case_55_rows_that_do_not_close_are_closed(device):
     """Few rays from elements of unlike sizes: made symmetric without closure, the even room of ρ = 0.99 is far off."""
     rho = 0.99
     b = SceneBuilder()

@@ -57,12 +57,12 @@ def assert_refused(found, effect):
 
 
 @pytest.mark.parametrize(("effect", "text"), cases(TABLES))
-def test_49_the_sun_is_refused(tmp_path, effect, text):
+def test_case_49_the_sun_is_refused(tmp_path, effect, text):
     assert_refused(scene_writing.faults(tmp_path, scene_writing.OPEN_ROOM + text), effect)
 
 
 @pytest.mark.parametrize(("effect", "key"), cases(KEYS))
-def test_57_58_59_materials_that_are_not_simulated_are_refused(tmp_path, effect, key):
+def test_case_57_58_59_materials_that_are_not_simulated_are_refused(tmp_path, effect, key):
     text = scene_writing.OPEN_ROOM.replace("reflectance = 0.5", f"reflectance = 0.5\n{key}")
     assert_refused(scene_writing.faults(tmp_path, text), effect)
 
@@ -71,19 +71,19 @@ def test_57_58_59_materials_that_are_not_simulated_are_refused(tmp_path, effect,
 @pytest.mark.parametrize(
     ("word", "effect"), [("mirror", "mirror reflection"), ("glass", "glass"), ("fluorescent", "fluorescence")]
 )
-def test_57_58_59_kinds_of_material_are_refused(tmp_path, key, word, effect):
+def test_case_57_58_59_kinds_of_material_are_refused(tmp_path, key, word, effect):
     text = scene_writing.OPEN_ROOM.replace("reflectance = 0.5", f'reflectance = 0.5\n{key} = "{word}"')
     assert_refused(scene_writing.faults(tmp_path, text), effect)
 
 
 @pytest.mark.parametrize("form", ["{ mirror = 0.9 }", '{ donaldson = "paint.csv" }', "{ transmittance = 0.3 }"])
-def test_57_58_59_forms_of_reflectance_are_refused(tmp_path, form):
+def test_case_57_58_59_forms_of_reflectance_are_refused(tmp_path, form):
     text = scene_writing.OPEN_ROOM.replace("reflectance = 0.5", f"reflectance = {form}")
     (found,) = scene_writing.faults(tmp_path, text)
     assert "is not simulated by this version" in found
 
 
-def test_49_57_58_59_all_at_once_and_without_a_traceback(tmp_path, capsys):
+def test_case_49_57_58_59_all_at_once_and_without_a_traceback(tmp_path, capsys):
     """Every effect is named in one go, by the program too, with status 2."""
     keys = "reflectance = 0.5\nfluorescence = true\ntransmittance = 1.0\nmirror = true"
     file = scene_writing.write(
@@ -96,7 +96,7 @@ def test_49_57_58_59_all_at_once_and_without_a_traceback(tmp_path, capsys):
     assert "Traceback" not in said
 
 
-def test_59_weight_left_at_the_cap_of_bounces_is_a_bound(device):
+def test_case_59_weight_left_at_the_cap_of_bounces_is_a_bound(device):
     """Facing surfaces of ρ = 0.999: what a path still carries when it is given up is ρ to the power of its bounces."""
     room = cube(0.999)
     room.lamp(5, 1.0)

@@ -26,7 +26,7 @@ def room():
     return b.scene()
 
 
-def test_56_replicates_of_one_seed_by_mistake_are_refused(device, monkeypatch):
+def test_case_56_replicates_of_one_seed_by_mistake_are_refused(device, monkeypatch):
     """Else all half widths would be 0, and every reading exact."""
     import hradiosity.radiosity.solver as module
 
@@ -42,7 +42,7 @@ def test_56_replicates_of_one_seed_by_mistake_are_refused(device, monkeypatch):
         solve(room(), QUICK, device)
 
 
-def test_56_replicates_of_different_seeds_differ(device):
+def test_case_56_replicates_of_different_seeds_differ(device):
     readings = only(solve(room(), QUICK, device))
     assert (readings.half_width > 0.0).all() and (readings.half_width < 0.2 * readings.irradiance).all()
 
@@ -74,20 +74,20 @@ def bits(threads, local_size=64):
     ).stdout
 
 
-def test_61_the_same_bits_with_1_and_16_threads():
+def test_case_61_the_same_bits_with_1_and_16_threads():
     one = bits(1)
     assert len(one) > 1000
     assert bits(16) == one
 
 
 @pytest.mark.slow
-def test_61_the_same_bits_with_1_2_and_16_threads_and_other_work_groups():
+def test_case_61_the_same_bits_with_1_2_and_16_threads_and_other_work_groups():
     one = bits(1)
     for threads, local_size in ((2, 64), (16, 64), (2, 16), (2, 128)):
         assert bits(threads, local_size) == one
 
 
-def test_60_one_compute_unit_and_other_devices(device):
+def test_case_60_one_compute_unit_and_other_devices(device):
     """Every other device there is, a memory checker apart, within both intervals; one thread is case 61."""
     mine = only(solve(room(), QUICK, device))
     others = [i for i in list_devices() if i.rank < 9 and i.index != device.info.index]
@@ -98,7 +98,7 @@ def test_60_one_compute_unit_and_other_devices(device):
         assert (np.abs(other.irradiance - mine.irradiance) <= np.hypot(other.half_width, mine.half_width)).all()
 
 
-def test_60_a_device_without_double_precision(device, monkeypatch):
+def test_case_60_a_device_without_double_precision(device, monkeypatch):
     """Rays and readings need none, so they are the same; hemicubes do and say so."""
     mine = only(solve(room(), QUICK, device))
     monkeypatch.setattr(device, "info", replace(device.info, has_double=False))
@@ -112,7 +112,7 @@ def test_60_a_device_without_double_precision(device, monkeypatch):
 
 
 @pytest.mark.parametrize("known", [1, 3])
-def test_62_interrupted_and_resumed(device, known):
+def test_case_62_interrupted_and_resumed(device, known):
     """The same bits, spectra, half widths and light on the surfaces."""
     whole = solve(room(), QUICK, device)
     first = make_solver(room(), QUICK, device)

@@ -23,19 +23,19 @@ def room_with_table(position, normal):
     return b.scene()
 
 
-def test_26_a_sensor_inside_a_solid_is_refused(device):
+def test_case_26_a_sensor_inside_a_solid_is_refused(device):
     with pytest.raises(SceneError, match="sensor 'desk' is enclosed, seeing only the inside of 'object'"):
         solve(room_with_table((1.5, 1.5, 0.72), (0, 0, 1)), QUICK, device)
 
 
-def test_26_a_sensor_a_millimetre_under_a_table_top_is_warned_of_and_reads_what_is_there(device):
+def test_case_26_a_sensor_a_millimetre_under_a_table_top_is_warned_of_and_reads_what_is_there(device):
     scene = room_with_table((1.5, 1.5, 0.699), (0, 0, 1))
     solution = solve(scene, QUICK, device)
     assert any("1 mm under 'object' and facing it" in note.message for note in solution.scene.notes)
     assert_agrees(only(solution), unbiased(scene, device, 65536), bias=0.1)
 
 
-def test_26_only_the_enclosed_points_of_a_sensor_are_told(device):
+def test_case_26_only_the_enclosed_points_of_a_sensor_are_told(device):
     solution = solve(room_with_table([(1.5, 1.5, 0.72), (3, 3, 0.72)], (0, 0, 1)), QUICK, device)
     assert any("1 of 2 readings of sensor 'desk' are enclosed" in note.message for note in solution.scene.notes)
     inside, outside = only(solution).irradiance[:, 0]
@@ -47,7 +47,7 @@ OFFSETS = (0.0, 1e-5, 1e-4, 1e-3)
 
 
 @pytest.mark.parametrize(("x", "y"), [(2.0, 2.0), (2.0, 0.0), (0.0, 0.0)], ids=("surface", "edge", "corner"))
-def test_27_on_a_surface_at_an_edge_and_in_a_corner(device, x, y):
+def test_case_27_on_a_surface_at_an_edge_and_in_a_corner(device, x, y):
     """Black cube of 4 m under a luminous ceiling: Lambert's formula, whatever the distance from floor and walls."""
     room = cube(0.0, side=4.0)
     room.lamp(5, 100.0)
@@ -59,7 +59,7 @@ def test_27_on_a_surface_at_an_edge_and_in_a_corner(device, x, y):
     np.testing.assert_allclose(found, found[0], rtol=1e-3)
 
 
-def test_27_reflected_light_in_a_corner_does_not_depend_on_the_offset(device):
+def test_case_27_reflected_light_in_a_corner_does_not_depend_on_the_offset(device):
     """Grey furnace: E = M / (1 − ρ) at surface, edge and corner, but for single paths that end in the edge itself."""
     room = cube(0.5, side=4.0)
     room.lamp(range(6), 1.0)
@@ -68,7 +68,7 @@ def test_27_reflected_light_in_a_corner_does_not_depend_on_the_offset(device):
     np.testing.assert_allclose(read(room.scene(), device).irradiance, 2.0, rtol=1e-3)
 
 
-def test_27_exactly_in_an_edge_is_warned_of(device):
+def test_case_27_exactly_in_an_edge_is_warned_of(device):
     """Half of the rays start behind the wall, and a reading of half of the light must not pass for the limit."""
     room = cube(0.5, side=4.0)
     room.lamp(range(6), 1.0)
@@ -78,7 +78,7 @@ def test_27_exactly_in_an_edge_is_warned_of(device):
     assert only(solution).irradiance[2, 0] == pytest.approx(2.0, rel=1e-3)
 
 
-def test_28_a_sensor_that_faces_away_from_everything_reads_exactly_zero(device):
+def test_case_28_a_sensor_that_faces_away_from_everything_reads_exactly_zero(device):
     b = SceneBuilder()
     b.patch((0, 0, 0), (4, 0, 0), (0, 4, 0), b.material(0.5))
     b.lamp(b.patch((1.5, 1.5, 2), (0, 1, 0), (1, 0, 0), 0), 100.0)
@@ -95,7 +95,7 @@ BOXES = (((1, 1, 1), (2, 2, 2)), ((3, 1, 0.5), (4, 3, 1)), ((1, 3, 2), (2, 4, 4)
 TURN = Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix()
 
 
-def test_29_rays_along_axes_and_in_planes_of_boxes(device):
+def test_case_29_rays_along_axes_and_in_planes_of_boxes(device):
     """0 · ∞ in the slab test: the same distances as by interval arithmetic on the boxes, and as in the turned scene."""
     b = SceneBuilder()
     paint = b.material(0.5)

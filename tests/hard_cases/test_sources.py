@@ -30,7 +30,7 @@ normal = [0.0, 0.0, 1.0]
 """
 
 
-def test_40_flux_of_narrow_lines_is_conserved(device, tmp_path):
+def test_case_40_flux_of_narrow_lines_is_conserved(device, tmp_path):
     """Whole lines in their bands, by exact sums; the light of the panel by Lambert's formula; and a word about it."""
     text = SODIUM + scene_writing.FLOOR.replace("4.0", "1e-3").replace("2.0", "1e-3") + scene_writing.PANEL + EYE
     scene = scene_writing.load(tmp_path, text)
@@ -57,7 +57,7 @@ def two_rooms(bright, weak, bands=1):
     return b.scene()
 
 
-def test_41_a_source_weaker_by_1e12_in_a_room_of_its_own(device):
+def test_case_41_a_source_weaker_by_1e12_in_a_room_of_its_own(device):
     """The same as beside a lamp of its own strength, up to rounding and the tolerance of the solver."""
     options = replace(QUICK, tolerance=1e-6)
     both = solve(two_rooms(1e12, 1.0), options, device)
@@ -69,7 +69,7 @@ def test_41_a_source_weaker_by_1e12_in_a_room_of_its_own(device):
     np.testing.assert_allclose(only(both).irradiance, only(even).irradiance, rtol=0.01)
 
 
-def test_41_a_source_weaker_by_1e12_in_a_band_of_its_own(device):
+def test_case_41_a_source_weaker_by_1e12_in_a_band_of_its_own(device):
     """The weak lamp is the only light of the second band: read as if it were alone."""
 
     def room(strong, weak):
@@ -90,7 +90,7 @@ def test_41_a_source_weaker_by_1e12_in_a_band_of_its_own(device):
 
 
 @pytest.mark.parametrize("factor", [1e-30, 1e-40, 1e30])
-def test_42_tiny_and_enormous_flux(device, factor):
+def test_case_42_tiny_and_enormous_flux(device, factor):
     def readings(exitance):
         room = cube([0.2, 0.4, 0.5, 0.6, 0.3, 0.7])
         room.lamp(5, exitance)
@@ -103,7 +103,7 @@ def test_42_tiny_and_enormous_flux(device, factor):
     np.testing.assert_allclose(other.illuminance, factor * one.illuminance, rtol=1e-5)
 
 
-def test_43_a_point_and_a_square_millimetre_by_the_inverse_square(device):
+def test_case_43_a_point_and_a_square_millimetre_by_the_inverse_square(device):
     """E = I cos³θ / h² exactly; E = M A cos⁴θ / (π h²) for the lamp of 1 mm², to (size / distance)²."""
     b = SceneBuilder()
     black = b.material(0.0)
@@ -138,21 +138,21 @@ def lit_by_a_square_millimetre(x):
     return b.scene()
 
 
-def test_43_no_bright_outliers_under_a_square_millimetre(device):
+def test_case_43_no_bright_outliers_under_a_square_millimetre(device):
     scene = lit_by_a_square_millimetre(1.2)
     found, truth = read(scene, device), unbiased(scene, device, 16384)
     error, width = assert_agrees(found, truth, bias=0.02)
     assert error < 0.05 and width < 0.05
 
 
-def test_43_the_bright_spot_beside_a_square_millimetre_is_in_the_intervals(device):
+def test_case_43_the_bright_spot_beside_a_square_millimetre_is_in_the_intervals(device):
     """A centimetre off the wall it makes a spot there that few paths meet and no element resolves."""
     scene = lit_by_a_square_millimetre(0.01)
     assert_agrees(read(scene, device), unbiased(scene, device, 16384), bias=0.03)
 
 
 @pytest.mark.parametrize("size", [1e2, 1e4, 1e6])
-def test_44_under_a_huge_luminous_ceiling(device, size):
+def test_case_44_under_a_huge_luminous_ceiling(device, size):
     """F → 1 by Lambert's formula, in single precision; the missing 1 − F shows as long as it can be held."""
     b = SceneBuilder()
     black = b.material(0.0)
@@ -196,7 +196,7 @@ def visible_through_mouth(point):
     return 100.0 * rectangle_factor(point, (0, 0, 1), corner, (high[0] - low[0], 0, 0), (0, high[1] - low[1], 0))
 
 
-def test_45_lamp_in_a_coffer_converges_and_its_error_is_covered(device):
+def test_case_45_lamp_in_a_coffer_converges_and_its_error_is_covered(device):
     """Direct light through the mouth is known exactly: errors of 64 seeds fall at least with N^-0.6, without bias."""
     scene = coffered(0.0)
     on_device = uploaded(scene, device)
@@ -217,7 +217,7 @@ def test_45_lamp_in_a_coffer_converges_and_its_error_is_covered(device):
     assert not found[:, 3].any()
 
 
-def test_45_reflected_light_of_the_coffer(device):
+def test_case_45_reflected_light_of_the_coffer(device):
     scene = coffered(0.6)
     found, truth = read(scene, device), unbiased(scene, device, 16384)
     assert_agrees(found, truth, bias=0.03)
@@ -240,7 +240,7 @@ def screened():
 
 
 @pytest.mark.parametrize("light_samples", [64, 512])
-def test_46_a_lamp_of_which_one_per_cent_shows(device, light_samples):
+def test_case_46_a_lamp_of_which_one_per_cent_shows(device, light_samples):
     """Never 0 ± 0, and the exact light lies in the interval."""
     scene, exact = screened()
     found = read(scene, device, Options(light_samples=light_samples, replicates=8))
@@ -248,7 +248,7 @@ def test_46_a_lamp_of_which_one_per_cent_shows(device, light_samples):
     assert (np.abs(found.irradiance[:, 0] - exact) <= found.half_width[:, 0]).all()
 
 
-def test_46_a_lamp_that_no_ray_found_is_not_called_hidden_for_sure(device):
+def test_case_46_a_lamp_that_no_ray_found_is_not_called_hidden_for_sure(device):
     scene, exact = screened()
     found = read(scene, device, Options(light_samples=8, replicates=8))
     assert (found.irradiance[:, 0] + found.half_width[:, 0] >= exact).all()
