@@ -235,7 +235,7 @@ def test_pictures_that_are_interrupted_are_drawn_by_resuming(room_with_view, cal
     with monkeypatch.context() as patched:
         patched.setattr(pictures, "write_pictures", broken)
         assert call("render", room_with_view, "-o", tmp_path / "out", *with_pictures).code == 130
-    assert json.loads((tmp_path / "out" / "run.json").read_text())["replicates"] == 4
+    assert json.loads((tmp_path / "out" / "run.json").read_text())["replicates"] == 8
     assert (tmp_path / "out" / "pictures" / "preview.png").stat().st_size > 100
     assert call("render", room_with_view, "-o", tmp_path / "out", "--resume", *with_pictures).code == 0
     assert (tmp_path / "out" / "pictures" / "door_flat.png").exists()
