@@ -1,7 +1,8 @@
 """Spectral radiosity for lighting research.
 
-``load_scene(path)``, ``solve(scene, Options(…))`` and the values they deal in; ``form_factor(a, b)`` and
-``form_factor_matrix(polygons)`` for those who need no more; the layers below are there for those who build on them.
+``load_scene(path)``, ``solve(scene, Options(…))``, ``audit(solution)`` and the values they deal in;
+``form_factor(a, b)`` and ``form_factor_matrix(polygons)`` for those who need no more; the layers below are there for
+those who build on them.
 Nothing heavy is imported before it is used.
 """
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from hradiosity.io.scene_toml import load_scene as load_scene
     from hradiosity.options import Options as Options
     from hradiosity.radiosity import solve as solve
+    from hradiosity.radiosity.auditing import audit as audit
     from hradiosity.solution import Solution as Solution
     from hradiosity.transport.form_factor.interface import FormFactors as FormFactors
     from hradiosity.transport.form_factor.interface import form_factor as form_factor
@@ -27,6 +29,7 @@ _HOMES = {
     "Options": "hradiosity.options",
     "SceneError": "hradiosity.errors",
     "Solution": "hradiosity.solution",
+    "audit": "hradiosity.radiosity.auditing",
     "form_factor": "hradiosity.transport.form_factor.interface",
     "form_factor_matrix": "hradiosity.transport.form_factor.interface",
     "load_scene": "hradiosity.io.scene_toml",
@@ -40,6 +43,7 @@ __all__ = [
     "SceneError",
     "Solution",
     "__version__",
+    "audit",
     "form_factor",
     "form_factor_matrix",
     "load_scene",

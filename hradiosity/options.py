@@ -44,6 +44,7 @@ class Options:
     replicates : independent runs whose spread gives the intervals, at least 2
     accuracy : wanted half width of the 95 % interval over the value; more replicates are added until it is reached
     time : wall seconds after which no further replicate starts
+    audit : check the intervals by unbiased paths after the run
     occlusion, interreflection : force an effect on or off
     glow : leave all lamps with an area to the rays that meet them, without shadow rays, or none
     pictures : pictures or maps will be drawn, which calls for shadow refinement
@@ -75,6 +76,7 @@ class Options:
     replicates: int = 8
     accuracy: float | None = None
     time: float | None = None
+    audit: bool = False
     occlusion: bool | None = None
     interreflection: bool | None = None
     glow: bool | None = None

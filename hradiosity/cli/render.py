@@ -21,6 +21,7 @@ def render(
     settings: Settings | None = None,
     resume: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     referee: Annotated[int | None, Parameter(group=EFFORT)] = None,
+    audit: Annotated[bool, Parameter(negative="--no-audit", group=EFFORT)] = True,
     pictures: Annotated[bool, Parameter(negative="--no-pictures", group=OUTPUT)] = True,
     white: Annotated[White, Parameter(group=OUTPUT)] = White.as_measured,
     interval_parts: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
@@ -44,6 +45,8 @@ def render(
         Go on from an interrupted run, or from the result in the folder.
     referee
         Compare with so many unbiased paths from each reading.
+    audit
+        Check the intervals by unbiased paths from some readings, which takes up to a quarter of the time again.
     pictures
         Draw the views of the scene.
     white
@@ -67,7 +70,7 @@ def render(
         Request(
             scene=scene,
             out=out if out is not None else Path("results") / name_of(scene),
-            options=replace(chosen.options(), pictures=pictures, full_metrics=full_metrics),
+            options=replace(chosen.options(), audit=audit, pictures=pictures, full_metrics=full_metrics),
             device=chosen.device,
             resume=resume,
             referee=referee,

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
+from hradiosity.cli.auditing import audit_lines, missed_accuracy_lines, run_audit
 from hradiosity.cli.display import Display, Expectation, open_display
 from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
@@ -28,6 +29,7 @@ from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.radiosity import make_solver
+from hradiosity.radiosity.auditing import not_audited
 from hradiosity.radiosity.referee import Referee
 from hradiosity.show.white import WhiteName
 from hradiosity.solution import Solution
@@ -117,7 +119,7 @@ class _Session:
             interrupted = self._solve(digest)
             if interrupted and self._solver.replicates == 0:
                 raise KeyboardInterrupt
-            solution = self._solver.solution()
+            solution, interrupted = self._audit(self._solver.solution(), interrupted)
             if self.request.referee and self.scene.sensors and not interrupted:
                 interrupted = self._referee(solution, self.request.referee)
             return self._finish(solution, digest, interrupted)
@@ -164,6 +166,17 @@ class _Session:
             raise DeviceError(f"{error}; {self._rescue(digest)}") from error
         return False
 
+    def _audit(self, solution: Solution, interrupted: bool) -> tuple[Solution, bool]:
+        """The solution with audited intervals, or why they are not; and whether the run was interrupted by now."""
+        if not self.request.options.audit:
+            return not_audited(solution, "--no-audit"), interrupted
+        if interrupted:
+            return not_audited(solution, "interrupted"), interrupted
+        start = time.perf_counter()
+        solution, interrupted = run_audit(self.scene, solution, self._device, self._display)
+        self.seconds["audit"] = time.perf_counter() - start
+        return solution, interrupted
+
     def _referee(self, solution: Solution, paths: int) -> bool:
         """Trace unbiased paths and compare; returns whether that was interrupted."""
         start = time.perf_counter()
@@ -201,7 +214,7 @@ class _Session:
                 raise OutputError(f"{error}; {self._rescue(digest)}") from error
             interrupted = interrupted or bool(came)
             self.seconds["writing"] = time.perf_counter() - start - self.seconds.get("pictures", 0.0)
-            state, code = self._outcome(interrupted)
+            state, code = self._outcome(solution, interrupted)
             seconds = self._stage_seconds(solution)
             write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command(), **self._more})
             publish(self.out)
@@ -249,10 +262,10 @@ class _Session:
         first = {name: self.seconds[name] for name in ("reading the scene", "first picture") if name in self.seconds}
         return {**first, **solution.record["stage_seconds"], **self.seconds}
 
-    def _outcome(self, interrupted: bool) -> tuple[str, int]:
+    def _outcome(self, solution: Solution, interrupted: bool) -> tuple[str, int]:
         if interrupted:
             return "interrupted", INTERRUPTED
-        if not self._solver.accuracy_reached:
+        if not self._solver.accuracy_reached or missed_accuracy_lines(solution):
             return "accuracy not reached", INACCURATE
         return "complete", GOOD
 
@@ -267,7 +280,8 @@ class _Session:
         display = self._display
         if solution.readings:
             title = "Illuminance with 95 % intervals; accuracy is that of the worst reading"
-            display.lines([*sensor_lines(solution.readings), *parts_lines(solution.readings)], title=title)
+            told = [*parts_lines(solution.readings), *audit_lines(solution.record)]
+            display.lines([*sensor_lines(solution.readings), *told], title=title)
         for title, lines in self._closing:
             display.lines(lines, title=title)
         display.lines(time_lines(seconds), title="Where the time went")
@@ -275,7 +289,8 @@ class _Session:
         if state == "interrupted":
             display.lines([f"interrupted; to go on: {_command()} --resume"])
         if state == "accuracy not reached":
-            display.lines([f"warning: the accuracy asked for was not reached; to go on: {_command()} --resume"])
+            missed = [f"warning: the accuracy asked for was not reached; to go on: {_command()} --resume"]
+            display.lines(missed_accuracy_lines(solution) or missed)
         result: dict[str, Any] = {
             "state": state,
             "out": str(self.out),

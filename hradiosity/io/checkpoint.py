@@ -29,7 +29,7 @@ _PLAN_FIELDS = (
     *("occlusion", "interreflection"),
 )
 """Entries of the plan that a replicate depends on."""
-_OTHER_OPTIONS = frozenset({*_PLAN_FIELDS, "replicates", "accuracy", "time", "pictures"})
+_OTHER_OPTIONS = frozenset({*_PLAN_FIELDS, "replicates", "accuracy", "time", "pictures", "audit"})
 """Options that the plan has taken up, that only say when to stop, or that no replicate depends on."""
 
 

@@ -35,7 +35,13 @@ def make_solver(
 
 def solve(scene: Scene, options: Options | None = None, device: Device | None = None) -> Solution:
     """Light everywhere in the scene; see `make_solver` to follow the run or to read further points."""
-    solver = make_solver(scene, options or Options(), device or Device())
+    chosen, on = options or Options(), device or Device()
+    solver = make_solver(scene, chosen, on)
     for _ in solver.states():
         pass
-    return solver.solution()
+    solution = solver.solution()
+    if chosen.audit:
+        from hradiosity.radiosity.auditing import audit
+
+        solution = audit(solution, on, scene=scene)
+    return solution
