@@ -117,6 +117,7 @@ def _print_mended(folder: str, mended: Mended) -> None:
     left = [finding for finding in mended.findings if finding.severity != "info"]
     for finding in left:
         show(f"  left, {finding.kind}: {finding.message}", _STYLES[finding.severity])
+        show(f"      → {finding.fix}")
     if not left:
         show("  no fault, no warning is left")
 

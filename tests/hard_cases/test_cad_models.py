@@ -213,6 +213,11 @@ def test_an_exact_t_junction_loses_no_light(device, write):
 def test_cracks_at_t_junctions_are_named_and_closed(device, write, capsys):
     """A wall ends 0.8 mm below the ceiling and stands on a kinked edge: light leaks there, less than 0.1 %."""
     folder = write({"room": cracked_room(8e-4, lift=5e-4)})
+    _, findings = checked(device, folder)
+    (leak,) = of_kind(findings, "leak")
+    assert leak.object == "cad/room" and "through a crack near" in leak.message and 0.0 < leak.size < 0.1
+    assert leak.place[0] == pytest.approx(0.0, abs=0.05)
+    assert "too low" in leak.effect and leak.fix.startswith("close the gap")
     mended, said = repaired(folder, capsys)
     scene, findings = checked(device, mended)
     assert grave(findings) == []
@@ -222,6 +227,26 @@ def test_cracks_at_t_junctions_are_named_and_closed(device, write, capsys):
     assert np.abs(np.einsum("ij,ij->i", scene.patches.normal, corners[:, 0]) @ scene.patches.area) == pytest.approx(
         3 * 4 * 3 * 2.5, rel=1e-3
     )
+    assert_even(light(device, mended))
+
+
+def test_cracks_between_walls_that_are_objects_of_their_own(device, write, capsys):
+    """Six walls, each a little smaller than its place: the gaps of 0.6 mm go, and the light is even."""
+    vertices, faces = ROOM
+    walls = {}
+    for number in range(6):
+        own = faces[[number, number + 6]]
+        middle = vertices[own].reshape(-1, 3).mean(axis=0)
+        walls[f"wall {number}"] = (middle + (vertices - middle) * (1 - 3e-4), own)
+    folder = write(walls, lamps=dict.fromkeys(walls, "wall"))
+    text = (folder / "scene.toml").read_text().replace('" = "dark"', '" = "wall"')
+    (folder / "scene.toml").write_text(text)
+    _, findings = checked(device, folder)
+    assert len(of_kind(findings, "leak")) == 1
+    mended, said = repaired(folder, capsys)
+    assert any(line.startswith("leak: closed cracks") for line in said["mended"]), said
+    _, findings = checked(device, mended)
+    assert grave(findings) == [] and "closed space" in of_kind(findings, "space")[0].message
     assert_even(light(device, mended))
 
 

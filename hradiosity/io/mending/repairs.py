@@ -28,6 +28,8 @@ WIDEST_CRACK: Final = 1e-3
 _WIDTHS: Final = (1e-6, 1e-5, 1e-4)
 """Widths over an object's size that are tried first; the least one that closes it is taken."""
 _FLAT: Final = 1e-6
+_AREA_KEPT: Final = 1e-2
+"""Share of the area that closing cracks between objects may change."""
 
 
 @dataclass(frozen=True)
@@ -57,8 +59,11 @@ def repairs(subject: Subject, findings: Sequence[Finding]) -> Iterator[Repair]:
             yield Repair(finding.kind, (finding.object,), done, change)
     for finding in findings:
         if finding.kind in ("open-body", "leak", "sliver"):
-            done = f"closed cracks and took slivers out of '{finding.object}'"
+            what = "took slivers out of" if finding.kind == "sliver" else "closed cracks of"
+            done = f"{what} '{finding.object}'"
             change = partial(_stitch, name=finding.object, slivers=_sliver_width(subject, finding))
+            if finding.kind == "leak":
+                change = partial(_close_together, name=finding.object)
             yield Repair(finding.kind, (finding.object,), done, change)
 
 
@@ -138,8 +143,41 @@ def _stitch(scene: SceneCopy, *, name: str, slivers: float) -> str:
     """Close a mesh object, or take its slivers out."""
     if not scene.is_mesh(name):
         raise CannotMend("its corners stand in the scene file")
-    scene.reshape(name, partial(_better, slivers=slivers))
+    scene.reshape([name], partial(_better, slivers=slivers))
     return name
+
+
+def _close_together(scene: SceneCopy, *, name: str) -> str:
+    """Close a room, alone or, where its walls are objects of their own, with all others of its mesh."""
+    if not scene.is_mesh(name):
+        raise CannotMend("its corners stand in the scene file")
+    try:
+        scene.reshape([name], partial(_better, slivers=0.0))
+    except CannotMend:
+        scene.reshape(scene.mesh_objects(name), _fewest_open)
+    return name
+
+
+def _fewest_open(
+    points: NDArray[np.float64], triangles: NDArray[np.int64]
+) -> tuple[NDArray[np.float64], NDArray[np.int64], NDArray[np.int64]]:
+    """Triangles stitched by the least distance that leaves the fewest edges open.
+
+    Raises
+    ------
+    CannotMend
+        When no distance closes any, or surface would get lost.
+    """
+    size = float(np.linalg.norm(np.ptp(points[triangles.ravel()], axis=0)))
+    best, fewest = None, len(open_edges(stitched(points, triangles, 1e-9 * size)[1])[0])
+    for width in sorted({min(width * size, WIDEST_CRACK) for width in (*_WIDTHS, 1.0)}):
+        new = stitched(points, triangles, width)
+        number = len(open_edges(new[1])[0])
+        if number < fewest and abs(_area(*new[:2]) / _area(points, triangles) - 1.0) < _AREA_KEPT:
+            best, fewest = new, number
+    if best is None:
+        raise CannotMend(f"its gaps are wider than {1e3 * WIDEST_CRACK:.2g} mm or no cracks")
+    return best
 
 
 def _better(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Final
@@ -173,17 +173,23 @@ class SceneCopy:
         else:
             raise CannotMend(f"only some faces of {kind} '{name}' would go")
 
-    def reshape(self, name: str, change: Any) -> None:
-        """Give all parts of a mesh object new triangles.
+    def mesh_objects(self, name: str) -> tuple[str, ...]:
+        """All objects of the mesh that an object belongs to."""
+        mesh = self._mesh(name)
+        return tuple(dict.fromkeys(mesh.object_of(part) for part in mesh.parts))
+
+    def reshape(self, names: Collection[str], change: Any) -> None:
+        """Give all parts of some objects of one mesh new triangles.
 
         Parameters
         ----------
+        names : at least one
         change : callable
             From points (n, 3) [m] and triangles (m, 3) to new ones and the triangle that each comes from.
         """
-        mesh = self._mesh(name)
+        mesh = self._mesh(next(iter(names)))
         scale = float(mesh.table.get("scale", 1.0))
-        mine = [number for number, part in enumerate(mesh.parts) if mesh.object_of(part) == name]
+        mine = [number for number, part in enumerate(mesh.parts) if mesh.object_of(part) in names]
         first = np.cumsum([0, *(len(mesh.parts[number].vertices) for number in mine)])
         points = np.concatenate([mesh.parts[number].vertices for number in mine])
         blocks = [mesh.parts[number].triangles.astype(np.int64) + start for number, start in zip(mine, first)]
