@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
+import pytest
 from rooms import SceneBuilder
 from truths import QUICK, assert_agrees, only, read, rectangle_factor, unbiased
 
@@ -104,6 +105,50 @@ def test_case_32_two_bright_rooms_through_a_slit_of_a_millimetre(device):
     assert abs(mean - expected) <= width * mean
     assert width < 1.0
     assert max(c["products"] - c["deflated"] for c in solution.record["solver"]) <= 15
+
+
+def slot_transmission(width, depth, rho, n=500):
+    """Share of diffuse light that passes a long slot with walls of ρ: strips by crossed strings (Hottel 1954)."""
+    x, step = (np.arange(n) + 0.5) / n * depth, depth / n
+    apart = np.abs(x[:, None] - x)
+    strings = np.hypot(apart + step, width) + np.hypot(apart - step, width) - 2.0 * np.hypot(apart, width)
+    from_end = np.diff(np.arange(n + 1) * step - np.hypot(np.arange(n + 1) * step, width)) / 2.0
+    exitance = np.linalg.solve(np.eye(n) - rho * strings / (2.0 * step), rho * from_end / step)
+    return (np.hypot(depth, width) - depth) / width + 2.0 * (exitance * from_end[::-1]).sum() / width
+
+
+COARSE_SLOT = (
+    "one element is as long as the slot is deep, also among those of twice the size, and carries light through"
+)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "options",
+    [
+        Options(),
+        pytest.param(
+            Options(elements=4000, rays_per_element=512), marks=pytest.mark.xfail(strict=True, reason=COARSE_SLOT)
+        ),
+    ],
+    ids=("default", "many rays"),
+)
+def test_case_32_through_a_slit_in_a_wall_of_five_centimetres(device, options):
+    """A hundredth of the light passes: (1 − ρ) S Ē = s T E, by strips along the slot."""
+    rho, slit, depth = 0.9, 1e-3, 0.05
+    b = SceneBuilder()
+    paint = b.material(rho)
+    b.box((0, 0, 0), (2 + depth, 1, 1), paint, inward=True)
+    b.box((1, 0, 0), (1 + depth, 0.5, 1), paint, solid=True)
+    b.box((1, 0.5 + slit, 0), (1 + depth, 1, 1), paint, solid=True)
+    b.lamp(b.patch((0.25, 0.25, 0.98), (0, 0.5, 0), (0.5, 0, 0), paint), 1000.0)
+    places = np.array([[0.9999, 0.5005, z] for z in (0.25, 0.75)])
+    arriving = unbiased(replace(b.scene(), sensors=(Sensor("slit", places, -WEST),)), device, 16384).irradiance.mean()
+    b.sensor(*points_on_walls((1 + depth, 0, 0), (2 + depth, 1, 1), 4))
+    found = only(solve(b.scene(), options, device))
+    expected = slit * slot_transmission(slit, depth, rho) * arriving / ((1.0 - rho) * 6.0)
+    mean, width = found.irradiance.mean(), found.mean_illuminance_half_width / found.mean_illuminance
+    assert abs(mean - expected) <= width * mean
 
 
 def two_sealed_rooms(both):
