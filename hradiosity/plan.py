@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,6 +41,7 @@ class SpectralColumns:
     sky : (n_columns,) float32, π · radiance of the sky in units of each column
     expansion : (n_columns, n_bands) float64, bands = columns @ expansion
     n_classes : number of classes of bands
+    variants : (n_columns, n_bands) float64 each, the expansions of the scene's variants
     """
 
     reflectance: NDArray[np.float32]
@@ -48,6 +49,7 @@ class SpectralColumns:
     sky: NDArray[np.float32]
     expansion: NDArray[np.float64]
     n_classes: int
+    variants: tuple[NDArray[np.float64], ...] = ()
 
     @property
     def n_columns(self) -> int:
@@ -70,6 +72,23 @@ class SpectralColumns:
         used = np.asarray(columns[..., : self.n_columns], np.float64)
         bands: NDArray[np.float64] = np.einsum("...c,cb->...b", used, self.expansion)
         return bands
+
+    @property
+    def summed(self) -> NDArray[np.float64]:
+        """(n_columns, n_bands) what a unit of each column stands for in the scene and all its variants together."""
+        return np.sum([self.expansion, *self.variants], axis=0)
+
+    def of_variant(self, number: int) -> SpectralColumns:
+        """The same columns as they make up the bands of a variant."""
+        return replace(self, expansion=self.variants[number], variants=())
+
+    def unlike(self, number: int) -> SpectralColumns:
+        """The columns with what a variant's bands and the scene's do not have in common, all counted as gain.
+
+        Where a column has a relative error, errors of the difference of both are bounded by that share of these bands:
+        columns that both have alike cancel.
+        """
+        return replace(self, expansion=np.abs(self.variants[number] - self.expansion), variants=())
 
 
 @dataclass(frozen=True)
@@ -177,7 +196,8 @@ class Plan:
         together; 0 in the mode of rays
     links : hierarchical links; None for exchange by rows of rays
     form_factors : in the words of ``--form-factors``
-    pairs : that they are computed for, at most; of cells, for hemicubes of elements; 0 for rays
+    pairs : that they are computed for, at most; of cells that face each other, for hemicubes of elements; 0 for rays
+    most_pairs : that memory allows
     sight : what shafts proved of each kind of lamp in each lit space; empty where none were tried
     """
 
@@ -209,6 +229,7 @@ class Plan:
     links: LinkCount | None = None
     form_factors: str = "rays"
     pairs: int = 0
+    most_pairs: int = 0
 
     @property
     def gathers(self) -> bool:
@@ -228,7 +249,8 @@ class Plan:
         ]
         if self.pairs:
             kind = "elements" if self.form_factors == "hemicube" else "cells"
-            out.append(f"form factors: {self.form_factors}, for up to {self.pairs / 1e6:.2g} million pairs of {kind}")
+            counts = f"{self.pairs / 1e6:.2g} million pairs of {kind}, of {self.most_pairs / 1e6:.2g} million that fit"
+            out.append(f"form factors: {self.form_factors}, for up to {counts}; --elements makes them fewer")
         if self.links is not None:
             out.append(self.links.line(self.n_elements))
         if self.size_bound:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,7 +15,16 @@ from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.space.hierarchy import Elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.space.shafts import FARTHEST
-from hradiosity.transport.cell_pairs import RANDOM, CellPairs, RowPairs, check_pairs, pair_bytes, symmetric
+from hradiosity.transport.cell_pairs import (
+    RANDOM,
+    RAYS_OF_A_PAIR,
+    CellPairs,
+    RowPairs,
+    check_pairs,
+    most_pairs,
+    pair_bytes,
+    symmetric,
+)
 from hradiosity.transport.exchange import ClosedRows, RowHits, closed_exchange, seen_areas
 from hradiosity.transport.form_factor.hemicube import Hemicube
 from hradiosity.transport.outside import outside_areas
@@ -23,6 +32,8 @@ from hradiosity.transport.pair_sight import open_share
 
 COMPARED_PAIRS = 100_000
 """Pairs of elements whose two directions are compared."""
+VISIBILITY_RAYS: Final = 2.0
+"""Of a pair and replicate, about: four where nothing is proved."""
 
 
 class PairedSurfaces(SurfaceSolver):
@@ -35,7 +46,7 @@ class PairedSurfaces(SurfaceSolver):
     def _cut(self, lit: LitSides) -> None:
         self._lit = lit
         self._cells: CellPairs | None = None
-        self._proved: NDArray[np.bool_] = np.zeros(0, bool)
+        self._proved: NDArray[np.bool_] | None = None
         self._pairs: RowPairs | None = None
         self._account: dict[str, Any] = {}
         super()._cut(lit)
@@ -45,22 +56,29 @@ class PairedSurfaces(SurfaceSolver):
         return {"method": self.options.form_factors, **self._account}
 
     def sized_plan(self, calibration: Calibration | ClassicCalibration | None) -> Plan:
-        """The plan for the elements that were cut; its seconds are not known.
+        """The plan for the elements that were cut, with seconds if the device was measured in this mode.
 
         Raises
         ------
         SceneError
             When there are too many pairs.
         """
-        n_cells = len(self.elements.cell_side)
-        check_pairs(n_cells, len(self.elements), self.options.form_factors)
-        plan = super().sized_plan(None)
-        return replace(
+        method = self.options.form_factors
+        n_pairs = self._cell_pairs().count()
+        check_pairs(n_pairs, len(self.elements), method)
+        known = calibration if isinstance(calibration, Calibration) else None
+        plan = super().sized_plan(known)
+        sized = replace(
             plan,
-            form_factors=self.options.form_factors,
-            pairs=n_cells * (n_cells - 1) // 2,
-            memory_bytes=plan.memory_bytes + pair_bytes(n_cells),
+            form_factors=method,
+            pairs=n_pairs,
+            most_pairs=most_pairs(),
+            memory_bytes=plan.memory_bytes + pair_bytes(n_pairs),
         )
+        if known is None or plan.seconds is None:
+            return sized
+        times = plan.replicates if method in RANDOM else 1
+        return replace(sized, seconds=plan.seconds + _pair_seconds(sized, known, times * RAYS_OF_A_PAIR[method]))
 
     def _exchange(self, hits: RowHits, seed: int) -> ClosedRows:
         pairs = self._row_pairs(seed)
@@ -84,16 +102,21 @@ class PairedSurfaces(SurfaceSolver):
 
     def _row_pairs(self, seed: int) -> RowPairs:
         """Exchange when nothing stands between; kept as long as it stays the same."""
-        if self._cells is None:
+        cells = self._cell_pairs()
+        if self._proved is None:
             with self.record.timed("pairs"):
-                self._cells = CellPairs(self._bvh, self.scene.patches, self.elements, self.space)
-                self._proved = np.zeros(len(self._cells), bool)
+                self._proved = np.zeros(len(cells), bool)
                 if self.plan.occlusion and self.on_device.shafts:
-                    self._proved = self._cells.prove(FARTHEST * self._lit.free_path)
+                    self._proved = cells.prove(FARTHEST * self._lit.free_path)
         if self._pairs is None or self.options.form_factors in RANDOM:
             with self.record.timed("form factors"):
-                self._pairs = self._cells.by_rows(self.options.form_factors, seed, self._proved)
+                self._pairs = cells.by_rows(self.options.form_factors, seed, self._proved)
         return self._pairs
+
+    def _cell_pairs(self) -> CellPairs:
+        if self._cells is None:
+            self._cells = CellPairs(self._bvh, self.scene.patches, self.elements, self.space)
+        return self._cells
 
     def _tell(
         self, pairs: RowPairs, exchange: NDArray[np.float64], share_error: NDArray[np.float64], rays: int
@@ -108,6 +131,16 @@ class PairedSurfaces(SurfaceSolver):
             "mean_visibility_error": float((share_error * pairs.exchange).sum()) / whole,
             "visibility_rays_per_replicate": rays,
         }
+
+
+def _pair_seconds(plan: Plan, calibration: Calibration, rays_of_a_pair: float) -> float:
+    """Expected seconds of form factors, and of visibility, closing and solution with so many links in place of rays."""
+    rays = plan.n_elements * plan.rays_per_element
+    links = max(2 * plan.pairs - rays, 0)
+    per_link = calibration.exchange_s_per_ray + 8 * plan.columns.n_groups * calibration.solve_s_per_ray_column
+    visibility = VISIBILITY_RAYS * plan.pairs / calibration.shadow_rays_per_s if plan.occlusion else 0.0
+    factors = rays_of_a_pair * plan.pairs / calibration.exchange_rays_per_s
+    return factors + plan.replicates * (visibility + links * per_link)
 
 
 class HemicubeSurfaces(SurfaceSolver):
@@ -131,13 +164,15 @@ class HemicubeSurfaces(SurfaceSolver):
             When there are too many pairs.
         """
         n_rows = len(self.elements)
-        check_pairs(n_rows, n_rows, "hemicube")
+        n_pairs = n_rows * (n_rows - 1) // 2
+        check_pairs(n_pairs, n_rows, "hemicube")
         plan = super().sized_plan(None)
         return replace(
             plan,
             form_factors="hemicube",
-            pairs=n_rows * (n_rows - 1) // 2,
-            memory_bytes=plan.memory_bytes + pair_bytes(n_rows),
+            pairs=n_pairs,
+            most_pairs=most_pairs(),
+            memory_bytes=plan.memory_bytes + pair_bytes(n_pairs),
         )
 
     def _exchange(self, hits: RowHits, seed: int) -> ClosedRows:

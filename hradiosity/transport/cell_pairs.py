@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import cached_property
 from types import MappingProxyType
 from typing import Final
 
@@ -17,6 +18,7 @@ from hradiosity.space.bvh import Bvh
 from hradiosity.space.cells import cell_corners
 from hradiosity.space.hierarchy import Elements
 from hradiosity.space.shafts import UNKNOWN, EmitterShapes, Receivers, prove_sight
+from hradiosity.transport.facing import FacingCells
 from hradiosity.transport.form_factor.methods import Settings, pair_exchange
 from hradiosity.transport.form_factor.pairs import Pairs
 from hradiosity.transport.form_factor.polygons import polygon_set
@@ -35,31 +37,48 @@ METHOD_SETTINGS: Final[Mapping[str, Settings]] = MappingProxyType(
 """How each method is used on pairs of cells: millions of them, whose errors average out in a row."""
 RANDOM: Final = ("monte-carlo",)
 """Methods that give other numbers in each replicate."""
-BYTES_A_PAIR: Final = 128
-MOST_BYTES: Final = 2**30
+BYTES_A_PAIR: Final = 160
+MOST_BYTES: Final = 2**32
 """Of all that is held for pairs."""
+RAYS_OF_A_PAIR: Final[Mapping[str, float]] = MappingProxyType(
+    {
+        "auto": 1.0,
+        "contour": 2.0,
+        "hemisphere": 20.0,
+        "quasi-hemisphere": 9.0,
+        "monte-carlo": 30.0,
+        "point": 0.2,
+        "point-disk": 0.2,
+    }
+)
+"""Exchange rays that take as long as the form factor of a pair, as measured in the Cornell box."""
 BATCH_PAIRS: Final = 2**20
 """Pairs on the device at a time."""
 FLAT: Final = 2.0**-20
 """Height over a plane, in half extents of the scene, that counts as none."""
 
 
-def pair_bytes(n_cells: int) -> int:
-    """Memory that the pairs of so many cells may need."""
-    return n_cells * (n_cells - 1) // 2 * BYTES_A_PAIR
+def pair_bytes(n_pairs: int) -> int:
+    """Memory that so many pairs may need."""
+    return n_pairs * BYTES_A_PAIR
 
 
-def check_pairs(n_cells: int, n_elements: int, method: str) -> None:
-    """`SceneError` when there are too many pairs of cells."""
-    needed = pair_bytes(n_cells)
+def check_pairs(n_pairs: int, n_elements: int, method: str) -> None:
+    """`SceneError` when there are too many pairs, of cells that face each other or of elements."""
+    needed = pair_bytes(n_pairs)
     if needed <= MOST_BYTES:
         return
-    pairs = n_cells * (n_cells - 1) // 2
-    most = int(np.sqrt(2.0 * MOST_BYTES / BYTES_A_PAIR))
-    asked = max(int(0.9 * most * n_elements / n_cells), 1)
-    found = f"{method} would hold {pairs} pairs of the {n_cells} cells of {n_elements} elements, {needed:.3g} bytes"
-    expected = f"{MOST_BYTES:.3g} bytes or less, which {most} cells need: --elements {asked}; or --form-factors rays"
-    raise SceneError([Fault("command line", "--form-factors", found, expected)])
+    # Pairs grow with the square of the elements; a tenth is left for borders.
+    asked = max(int(0.9 * n_elements * np.sqrt(MOST_BYTES / needed)), 1)
+    found = f"{method} would hold {n_pairs / 1e6:.3g} million pairs for {n_elements} elements, {needed:.3g} bytes"
+    most = f"{most_pairs() / 1e6:.3g} million pairs, {MOST_BYTES:.3g} bytes, or less"
+    remedy = f"--elements {asked}, or a larger --element-size where the mean free path forbids so few; or rays"
+    raise SceneError([Fault("command line", "--form-factors", found, f"{most}: {remedy}")])
+
+
+def most_pairs() -> int:
+    """Pairs that fit."""
+    return MOST_BYTES // BYTES_A_PAIR
 
 
 @dataclass(frozen=True)
@@ -99,10 +118,21 @@ class CellPairs:
         self._patch = side // 2
         self._normal = patches.normal[self._patch] * np.where(side % 2 == BACK, -1.0, 1.0)[:, None]
         polygons = polygon_set(self._corners, np.where(is_triangle, 3, 4), [""] * len(side))
-        one, other = self._facing(space[elements.cell_row.astype(np.int64)])
-        smaller = polygons.area[one] <= polygons.area[other]
-        first, second = np.where(smaller, one, other), np.where(smaller, other, one)
-        self._pairs = Pairs(polygons, first.astype(np.uint32), second.astype(np.uint32), bvh.device)
+        self._polygons = polygons
+        of_cell = space[elements.cell_row.astype(np.int64)]
+        self._facing = FacingCells(self._corners - bvh.local_origin, self._normal, of_cell, FLAT * bvh.scale)
+
+    def count(self) -> int:
+        """Number of pairs, without holding them."""
+        return self._facing.count()
+
+    @cached_property
+    def _pairs(self) -> Pairs:
+        """The smaller cell first."""
+        one, other = self._facing.pairs()
+        swap = self._polygons.area[one] > self._polygons.area[other]
+        first, second = np.where(swap, other, one), np.where(swap, one, other)
+        return Pairs(self._polygons, first, second, self._bvh.device)
 
     def __len__(self) -> int:
         return len(self._pairs)
@@ -149,21 +179,6 @@ class CellPairs:
         sight = prove_sight(self._bvh, receivers, emitters, pairs.first, pairs.second, reach=reach)
         proved: NDArray[np.bool_] = sight != UNKNOWN
         return proved
-
-    def _facing(self, space: NDArray[np.integer]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Cells i < j of one space (n_cells,), each with a corner before the plane of the other."""
-        n = len(space)
-        flat = FLAT * self._bvh.scale
-        corners = self._corners - self._bvh.local_origin
-        own = np.einsum("nd,nd->n", self._normal, corners[:, 0])
-        rises = np.zeros((n, n), bool)
-        step = max(1, BATCH_PAIRS // max(n, 1))
-        for low in range(0, n, step):
-            part = slice(low, low + step)
-            height = np.einsum("md,nkd->mnk", self._normal[part], corners).max(axis=2)
-            rises[part] = (height - own[part, None] > flat) & (space[part, None] == space)
-        one, other = np.nonzero(np.triu(rises & rises.T, k=1))
-        return one, other
 
 
 def symmetric(pairs: RowPairs, exchange: NDArray[np.float64], n_rows: int) -> csr_array:

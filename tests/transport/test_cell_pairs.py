@@ -16,6 +16,7 @@ from hradiosity.space.lit_sides import find_lit_sides
 from hradiosity.transport.cell_pairs import METHOD_SETTINGS, CellPairs, check_pairs, symmetric
 from hradiosity.transport.device_scene import upload_elements, upload_scene
 from hradiosity.transport.exchange import RowHits, trace_rows
+from hradiosity.transport.facing import FacingCells
 from hradiosity.transport.outside import outside_areas
 from hradiosity.transport.pair_sight import open_share
 
@@ -185,11 +186,26 @@ def test_what_solids_cover_sees_nothing(device):
 
 
 def test_too_many_pairs_are_refused():
-    check_pairs(3000, 3000, "contour")
+    check_pairs(20_000_000, 8000, "contour")
     with pytest.raises(SceneError, match=r"--elements \d+") as caught:
-        check_pairs(8000, 4000, "contour")
+        check_pairs(64_000_000, 12000, "contour")
     message = str(caught.value)
-    assert "31996000 pairs" in message and "4000 elements" in message and "bytes" in message
+    assert "64 million pairs" in message and "12000 elements" in message and "bytes" in message
+
+
+def test_pairs_that_face_each_other():
+    """As told apart one by one, whatever the block; those of another space never do."""
+    rng = np.random.default_rng(23)
+    corners = rng.random((60, 3, 3))[:, [0, 1, 2, 2]]
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normal /= np.linalg.norm(normal, axis=1)[:, None]
+    space = rng.integers(0, 2, 60)
+    height = np.einsum("md,mnkd->mnk", normal, corners[None] - corners[:, None, :1]).max(axis=2)
+    sees = (height > 1e-9) & (space[:, None] == space)
+    expected = np.argwhere(np.triu(sees & sees.T, k=1))
+    facing = FacingCells(corners, normal, space, 1e-9)
+    np.testing.assert_array_equal(np.column_stack(facing.pairs()), expected)
+    assert facing.count() == len(expected) > 300
 
 
 def test_outside_is_what_is_left_of_exact_factors_and_what_rays_say_of_poor_ones():
