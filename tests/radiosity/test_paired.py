@@ -13,7 +13,9 @@ from hradiosity.io.run_record import to_json
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Sky
 from hradiosity.options import Options
+from hradiosity.plan import Calibration
 from hradiosity.radiosity import make_solver
+from hradiosity.transport.cell_pairs import RAYS_OF_A_PAIR
 
 METHODS = ("hemicube", "point", "point-disk", "hemisphere", "quasi-hemisphere", "monte-carlo", "contour", "auto")
 SMALL = Options(element_size=0.5, gather_samples=4096, light_points=64, replicates=4, hemicube_resolution=64)
@@ -135,6 +137,21 @@ def test_too_many_pairs_are_refused_before_they_are_made(device):
     options = Options(element_size=0.03, form_factors="auto")
     with pytest.raises(SceneError, match="--elements"):
         _ = make_solver(furnished(), options, device).plan
+
+
+def test_the_plan_tells_pairs_what_fits_and_seconds(device):
+    """A method that takes more rays for a pair takes longer, by just the rays of the pairs."""
+    rates = Calibration(1e6, 1e6, 1e6, 1e-6, 1e-7)
+    plans = {
+        method: make_solver(furnished(), replace(TINY, form_factors=method), device, rates).plan
+        for method in ("rays", "auto", "contour")
+    }
+    pairs = plans["auto"].pairs
+    assert 1000 < pairs == plans["contour"].pairs
+    assert any(f"{pairs / 1e6:.2g} million pairs of cells" in line for line in plans["auto"].lines())
+    assert plans["rays"].seconds < plans["auto"].seconds
+    more = (RAYS_OF_A_PAIR["contour"] - RAYS_OF_A_PAIR["auto"]) * pairs / rates.exchange_rays_per_s
+    assert plans["contour"].seconds - plans["auto"].seconds == pytest.approx(more, rel=1e-6)
 
 
 @pytest.mark.parametrize(
