@@ -1,6 +1,7 @@
 """Spectral radiosity for lighting research.
 
 ``load_scene(path)``, ``solve(scene, Options(…))``, ``audit(solution)`` and the values they deal in;
+``compare(scene, [make_variant(scene, …)])`` for other paints and lamps;
 ``form_factor(a, b)`` and ``form_factor_matrix(polygons)`` for those who need no more; the layers below are there for
 those who build on them.
 Nothing heavy is imported before it is used.
@@ -13,7 +14,10 @@ if TYPE_CHECKING:
     from hradiosity.device import Device as Device
     from hradiosity.errors import SceneError as SceneError
     from hradiosity.io.scene_toml import load_scene as load_scene
+    from hradiosity.model.variants import Factor as Factor
+    from hradiosity.model.variants import make_variant as make_variant
     from hradiosity.options import Options as Options
+    from hradiosity.radiosity import compare as compare
     from hradiosity.radiosity import solve as solve
     from hradiosity.radiosity.auditing import audit as audit
     from hradiosity.solution import Solution as Solution
@@ -25,28 +29,34 @@ __version__ = "0.1.0"
 
 _HOMES = {
     "Device": "hradiosity.device",
+    "Factor": "hradiosity.model.variants",
     "FormFactors": "hradiosity.transport.form_factor.interface",
     "Options": "hradiosity.options",
     "SceneError": "hradiosity.errors",
     "Solution": "hradiosity.solution",
     "audit": "hradiosity.radiosity.auditing",
+    "compare": "hradiosity.radiosity",
     "form_factor": "hradiosity.transport.form_factor.interface",
     "form_factor_matrix": "hradiosity.transport.form_factor.interface",
     "load_scene": "hradiosity.io.scene_toml",
+    "make_variant": "hradiosity.model.variants",
     "solve": "hradiosity.radiosity",
 }
 
 __all__ = [
     "Device",
+    "Factor",
     "FormFactors",
     "Options",
     "SceneError",
     "Solution",
     "__version__",
     "audit",
+    "compare",
     "form_factor",
     "form_factor_matrix",
     "load_scene",
+    "make_variant",
     "solve",
 ]
 

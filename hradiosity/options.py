@@ -20,10 +20,10 @@ QUALITIES: Final = MappingProxyType(
         "draft": {
             "elements": 4000,
             "gather_samples": 1024,
-            "light_samples": 128,
+            "light_samples": 512,
         },
         "normal": {},
-        "fine": {"elements": 16000, "light_points": 32, "gather_samples": 16384, "light_samples": 2048},
+        "fine": {"elements": 16000, "light_points": 32, "gather_samples": 16384, "light_samples": 8192},
     }
 )
 """What each quality sets apart from the defaults; README tells what each costs."""
@@ -37,14 +37,16 @@ class Options:
     element_size : edge of a row element [m], instead
     rays_per_element : exchange rays from each row element, all replicates together, at least 16 in each
     light_points : points on each row element from which a ray goes to each emitter, all replicates together
-    light_samples : shadow rays from a reading to each emitter, all replicates together
+    light_samples : shadow rays from a reading to each emitter, all replicates together; as many as to eight emitters in
+        all where there are more of them
     gather_samples : paths from a reading, all replicates together
     lookup : hit of a path at which the solution is looked up, 2 or 3; the third halves the error of coarse elements,
         adds noise and costs about half as much again: more elements are the cheaper way
     replicates : independent runs whose spread gives the intervals, at least 2
-    accuracy : wanted half width of the 95 % interval over the value; more replicates are added until it is reached
-    time : wall seconds after which no further replicate starts
-    audit : check the intervals by unbiased paths after the run
+    accuracy : wanted half width of the 95 % interval over the value, of each reading; more replicates, and larger ones
+        on smaller elements, are added until it is reached: the other settings say where to start
+    time : wall seconds that the run may take
+    audit : check the intervals by unbiased paths after the run; a run with a time limit leaves a fifth of it to that
     occlusion, interreflection : force an effect on or off
     glow : leave all lamps with an area to the rays that meet them, without shadow rays, or none
     pictures : pictures or maps will be drawn, which calls for shadow refinement
@@ -70,7 +72,7 @@ class Options:
     element_size: float | None = None
     rays_per_element: int = 64
     light_points: int = 16
-    light_samples: int = 512
+    light_samples: int = 2048
     gather_samples: int = 4096
     lookup: Literal[2, 3] = 2
     replicates: int = 8

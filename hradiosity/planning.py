@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from hradiosity.errors import Fault, SceneError
 from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Scene
+from hradiosity.model.variants import stacked_emission, stacked_reflectance, stacked_sky
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, Effect, Plan, SightShare, SpectralColumns
 from hradiosity.planning_memory import element_bytes, path_bytes
@@ -22,6 +23,8 @@ from hradiosity.transport.glow import weak_emitters
 LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
 """Bounds of a row element's edge, as shares of the mean free path of light."""
 
+SHARED_BY = 8
+"""Emitters that each get all the shadow rays asked for; more share as many as these have together."""
 MOST_BY_PATH = 64_000
 """Elements that the free path may ask for: between two plates as wide as a field it is short."""
 MOST_TIMES, ANYWAY = 16, 2000
@@ -37,16 +40,11 @@ def spectral_columns(scene: Scene) -> SpectralColumns:
 
     Bands in which every material that is used has the same reflectance form a class. In a class, sources whose spectra
     are equal up to a factor need one right-hand side; if there are as many shapes as bands, the bands are solved as
-    they are.
+    they are. The bands of variants are further bands.
     """
     used = np.unique(scene.patches.material) if len(scene.patches) else np.zeros(0, np.int32)
-    reflectance = scene.reflectance
-    n_bands = len(scene.bands)
-    sources = np.zeros((len(scene.luminaires) + 1, n_bands))
-    for i, lamp in enumerate(scene.luminaires):
-        sources[i] = lamp.exitance if len(lamp.exitance) else lamp.intensity
-    if scene.sky is not None:
-        sources[-1] = np.pi * scene.sky.radiance
+    reflectance = stacked_reflectance(scene)
+    sources = np.concatenate([stacked_emission(scene), stacked_sky(scene)[None]])
     _, band_class = np.unique(reflectance[used].T, axis=0, return_inverse=True)
     parts = [
         _columns_of_class(sources, np.flatnonzero(band_class.ravel() == k)) for k in range(int(band_class.max()) + 1)
@@ -55,12 +53,14 @@ def spectral_columns(scene: Scene) -> SpectralColumns:
     emission = np.concatenate([p[1] for p in parts], axis=1)
     column_reflectance = np.zeros((len(scene.materials) + 1, emission.shape[1]))
     column_reflectance[:-1] = reflectance[:, first_band]
+    expansion, *variants = np.split(np.concatenate([p[0] for p in parts]), 1 + len(scene.variants), axis=1)
     return SpectralColumns(
         reflectance=column_reflectance.astype(np.float32),
         emission=emission[:-1].astype(np.float32),
         sky=emission[-1].astype(np.float32),
-        expansion=np.concatenate([p[0] for p in parts]),
+        expansion=expansion,
         n_classes=len(parts),
+        variants=tuple(variants),
     )
 
 
@@ -84,6 +84,12 @@ def _columns_of_class(
     expansion = np.zeros((len(bands), sources.shape[1]))
     expansion[np.arange(len(bands)), bands] = top
     return expansion, inside / top, int(bands[0])
+
+
+def _light_samples(options: Options, n_emitters: int) -> int:
+    """Shadow rays from a reading to each emitter in a replicate: many emitters average out, and share the rays."""
+    total = options.light_samples * min(1.0, SHARED_BY / max(n_emitters, 1))
+    return max(1, round(total / options.replicates))
 
 
 def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
@@ -131,7 +137,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
         size_bound=size_bound,
         rays_per_element=max(16, -(-options.rays_per_element // replicates)),
         light_points=-(-options.light_points // replicates),
-        light_samples=-(-options.light_samples // replicates),
+        light_samples=_light_samples(options, int(np.count_nonzero(~weak))),
         gather_samples=-(-options.gather_samples // replicates),
         replicates=replicates,
         occlusion=occlusion.needed,
@@ -279,7 +285,7 @@ def _interreflection(scene: Scene, options: Options) -> Effect:
     if options.interreflection is not None:
         return Effect("interreflection", options.interreflection, "as asked for")
     used = np.unique(scene.patches.material)
-    if len(used) == 0 or float(scene.reflectance[used].max(initial=0.0)) == 0.0:
+    if len(used) == 0 or float(stacked_reflectance(scene)[used].max(initial=0.0)) == 0.0:
         return Effect("interreflection", False, "nothing reflects")
     return Effect("interreflection", True, "surfaces reflect")
 
@@ -313,7 +319,7 @@ def _backs(scene: Scene, lit: LitSides) -> Effect:
 
 
 def _bands(scene: Scene, columns: SpectralColumns) -> Effect:
-    n = len(scene.bands)
+    n = len(scene.bands) * (1 + len(scene.variants))
     if columns.n_columns < n:
         reason = f"{n} bands follow exactly from {columns.n_columns} right-hand sides in {columns.n_classes} classes"
         return Effect("bands singly", False, reason)

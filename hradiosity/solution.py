@@ -16,6 +16,8 @@ from hradiosity.space.hierarchy import Elements
 
 LIGHT_NUMBERS = ("irradiance", "illuminance", "chromaticity", "mean_illuminance", "uniformity")
 """Numbers that all readings have."""
+RELATIVE_NUMBERS = ("relative_illuminance", "relative_mean_illuminance")
+"""Numbers that only differences have."""
 
 
 @dataclass(frozen=True)
@@ -100,9 +102,13 @@ class Readings:
     @property
     def accuracy(self) -> NDArray[np.float64]:
         """(n,) half width over illuminance, or over 5 % of the sensor's mean for darker readings."""
-        floor = 0.05 * self.mean_illuminance
-        base = np.maximum(self.illuminance, floor)
+        base = self.accuracy_base
         return np.divide(self.illuminance_half_width, base, out=np.zeros_like(base), where=base > 0.0)
+
+    @property
+    def accuracy_base(self) -> NDArray[np.float64]:
+        """(n,) illuminance that accuracy refers to [lx]: the reading's own, or 5 % of the sensor's mean if more."""
+        return np.maximum(self.illuminance, 0.05 * self.mean_illuminance)
 
     def widened(self, factor: float) -> Readings:
         """The same with all half widths multiplied."""
@@ -124,6 +130,64 @@ def interval_shares(readings: Mapping[str, Readings]) -> dict[str, float]:
         name: float(np.median(np.concatenate([estimate.parts[name] for estimate in known])[lit] / lux[lit]))
         for name in names
     }
+
+
+@dataclass(frozen=True)
+class Differences:
+    """What a variant of the scene changes at the points of one sensor: variant − scene, with intervals.
+
+    numbers : by name as in `Readings.numbers`, each with an interval that comes from the same difference in each
+        replicate, where both have the same random numbers; and ``relative_illuminance`` (n,) and
+        ``relative_mean_illuminance``, differences over the scene's illuminances, NaN where the scene has none
+    """
+
+    sensor: str
+    variant: str
+    position: NDArray[np.float64]
+    normal: NDArray[np.float64]
+    numbers: Mapping[str, Estimate]
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    @property
+    def illuminance(self) -> NDArray[np.float64]:
+        """(n,) [lx]."""
+        return self.numbers["illuminance"].value
+
+    @property
+    def illuminance_half_width(self) -> NDArray[np.float64]:
+        """(n,) of `illuminance`."""
+        return self.numbers["illuminance"].half_width
+
+    @property
+    def derived(self) -> tuple[str, ...]:
+        """Names of the numbers of colour and the eye."""
+        return tuple(name for name in self.numbers if name not in (*LIGHT_NUMBERS, *RELATIVE_NUMBERS))
+
+    def widened(self, factor: float) -> Differences:
+        """The same with all half widths multiplied."""
+        numbers = {name: replace(found, factor=factor * found.factor) for name, found in self.numbers.items()}
+        return replace(self, numbers=numbers)
+
+
+@dataclass(frozen=True)
+class VariantReadings:
+    """What is read of a variant of the scene.
+
+    readings : of the variant itself, by sensor name
+    differences : from the scene, by sensor name
+    """
+
+    readings: Mapping[str, Readings]
+    differences: Mapping[str, Differences]
+
+    def widened(self, factor: float) -> VariantReadings:
+        """The same with all half widths multiplied."""
+        return VariantReadings(
+            {name: found.widened(factor) for name, found in self.readings.items()},
+            {name: found.widened(factor) for name, found in self.differences.items()},
+        )
 
 
 @dataclass(frozen=True)
@@ -151,6 +215,7 @@ class Solution:
     replicates : replicates that the numbers are means of
     complete : False when the run was interrupted
     reader : reads further points with the kept light of the replicates; None for a solution without a solver
+    variants : by name, what is read of the scene's variants; all else is of the scene itself
     """
 
     scene: Scene
@@ -162,6 +227,7 @@ class Solution:
     complete: bool
     record: Mapping[str, Any] = field(default_factory=dict)
     reader: Callable[[NDArray[np.float64], NDArray[np.float64]], Readings] | None = None
+    variants: Mapping[str, VariantReadings] = field(default_factory=dict)
 
     def read(self, points: ArrayLike, normals: ArrayLike) -> Readings:
         """Light at further points.

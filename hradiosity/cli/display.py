@@ -5,44 +5,17 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict
 from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
-from hradiosity.cli.text import count, percent
+from hradiosity.cli.text import count, error_curve, percent
 from hradiosity.radiosity.state import State
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
 
 BUILDING = "building kernels for this device (once; later runs skip it)"
-
-
-@dataclass
-class Expectation:
-    """How long a run will still take, from the replicates so far.
-
-    accuracy : wanted; None when the number of replicates decides
-    limit : seconds after which no replicate starts; None for none
-    """
-
-    accuracy: float | None
-    limit: float | None
-    _done: list[tuple[int, float]] = field(default_factory=list)
-
-    def remaining(self, state: State) -> float | None:
-        """Expected seconds from `state` to the end; None before the first replicate."""
-        self._done.append((state.replicate, state.seconds))
-        recent = self._done[-4:]
-        steps = recent[-1][0] - recent[0][0]
-        if steps <= 0:
-            return None
-        each = (recent[-1][1] - recent[0][1]) / steps
-        wanted = float(state.replicates)
-        if self.accuracy is not None and math.isfinite(state.error) and state.error > self.accuracy:
-            wanted = max(wanted, state.replicate * (state.error / self.accuracy) ** 2)
-        left = (wanted - state.replicate) * each
-        return left if self.limit is None else max(0.0, min(left, self.limit + each - state.seconds))
 
 
 class Display:
@@ -68,7 +41,7 @@ class Display:
     def stage(self, name: str) -> None:
         """Something other than the solver goes on."""
 
-    def state(self, state: State, remaining: float | None) -> None:
+    def state(self, state: State) -> None:
         """The solver got this far."""
 
     def data(self, event: str, values: dict[str, Any]) -> None:
@@ -86,9 +59,9 @@ class JsonDisplay(Display):
         """As an event."""
         self.data("stage", {"stage": name})
 
-    def state(self, state: State, remaining: float | None) -> None:
+    def state(self, state: State) -> None:
         """As an event."""
-        self.data("state", asdict(state) | {"remaining_seconds": remaining})
+        self.data("state", asdict(state))
 
     def data(self, event: str, values: dict[str, Any]) -> None:
         """One line."""
@@ -115,9 +88,9 @@ class PlainDisplay(Display):
         """A line."""
         print(name, flush=True)
 
-    def state(self, state: State, remaining: float | None) -> None:
+    def state(self, state: State) -> None:
         """A line."""
-        print(f"{where(state)}: {', '.join(facts(state))}; {clock(state.seconds, remaining)}", flush=True)
+        print(f"{where(state)}: {', '.join(facts(state))}; {clock(state.seconds, state.remaining)}", flush=True)
 
 
 class LiveDisplay(Display):
@@ -138,7 +111,8 @@ class LiveDisplay(Display):
         self._doing = doing
         self._name = ""
         self._building = False
-        self._last: tuple[State, float | None, float] | None = None
+        self._last: tuple[State, float] | None = None
+        self._errors: list[tuple[float, float]] = []
         self._start = time.perf_counter()
         self._spinner = Spinner("dots")
         self._live = Live(
@@ -172,11 +146,13 @@ class LiveDisplay(Display):
         """In place of the solver's stage."""
         self._name = name
 
-    def state(self, state: State, remaining: float | None) -> None:
+    def state(self, state: State) -> None:
         """Draw from now on."""
         self._building = False
         self._name = ""
-        self._last = (state, remaining, time.perf_counter())
+        self._last = (state, time.perf_counter())
+        if math.isfinite(state.median_error):
+            self._errors.append((state.seconds, state.median_error))
 
     def _render(self) -> RenderableType:
         from rich.console import Group
@@ -190,8 +166,8 @@ class LiveDisplay(Display):
         now = time.perf_counter()
         if self._last is None:
             return Group(*rows, Text(f"  {clock(now - self._start)}", style="dim"))
-        state, remaining, at = self._last
-        left = None if remaining is None else max(0.0, remaining - (now - at))
+        state, at = self._last
+        left = None if state.remaining is None else max(0.0, state.remaining - (now - at))
         done = state.seconds + (now - at)
         if left is not None:
             bar = Table.grid(padding=(0, 2))
@@ -199,13 +175,17 @@ class LiveDisplay(Display):
             rows.append(bar)
         else:
             rows.append(Text(f"  {where(state)}"))
+        if self._errors:
+            rows.append(Text(f"  {error_curve(self._errors)} median error, falling over {done:.0f} s"))
         rows += [Text(f"  {fact}", style="dim") for fact in facts(state)]
         return Group(*rows, Text(f"  {clock(done, left)}", style="dim"))
 
 
 def where(state: State) -> str:
     """How far a run is."""
-    return f"replicate {state.replicate} of {state.replicates}" if state.replicate else "geometry ready"
+    if state.replicate:
+        return f"replicate {state.replicate} of {state.replicates}"
+    return "larger replicates from here" if state.stage == "larger replicates" else "geometry ready"
 
 
 def facts(state: State) -> list[str]:

@@ -11,7 +11,7 @@ from typing import Any
 
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.auditing import audit_lines, missed_accuracy_lines, run_audit
-from hradiosity.cli.display import Display, Expectation, open_display
+from hradiosity.cli.display import Display, open_display
 from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
 from hradiosity.cli.live_files import LiveFiles, draw_first_picture
@@ -149,14 +149,12 @@ class _Session:
 
     def _solve(self, digest: str) -> bool:
         """Run the solver; returns whether it was interrupted."""
-        options = self.request.options
-        expectation = Expectation(options.accuracy, options.time)
         try:
             self._live = LiveFiles(
                 self.partial, self._solver, digest, preview=self.request.pictures, white=self.request.white
             )
             for state in self._solver.states():
-                self._display.state(state, expectation.remaining(state))
+                self._display.state(state)
                 self._live.update()
         except KeyboardInterrupt:
             return True

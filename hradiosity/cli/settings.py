@@ -30,11 +30,13 @@ class Settings:
     Parameters
     ----------
     quality
-        Starting point for the settings below: draft, normal or fine.
+        Starting point for the settings below: draft, normal or fine; normal if left out, draft where an accuracy or a
+        time is asked for.
     accuracy
-        Like 1%: go on until half the 95 % interval of every reading is below this share of its value.
+        Like 1%: go on until half the 95 % interval of every reading is below this share of its value, or of 5 % of its
+        sensor's mean for darker ones; elements and samples grow as needed.
     time
-        Start no further replicate after this time, like 30s or 2min.
+        Like 30s or 2min: the narrowest intervals that can be had in this time; elements and samples grow to fill it.
     replicates
         Independent runs whose spread gives the intervals, at least 2.
     seed
@@ -82,7 +84,7 @@ class Settings:
         Number from `hradiosity devices`, or a part of the device's name.
     """
 
-    quality: Annotated[Quality, Parameter(group=EFFORT)] = "normal"
+    quality: Annotated[Quality | None, Parameter(group=EFFORT)] = None
     accuracy: Annotated[float | None, Parameter(converter=share, group=EFFORT)] = None
     time: Annotated[float | None, Parameter(converter=seconds, group=EFFORT)] = None
     replicates: Annotated[int | None, Parameter(group=EFFORT)] = None
@@ -117,7 +119,7 @@ class Settings:
         given = {name: getattr(self, name) for name in OVER_QUALITY if getattr(self, name) is not None}
         try:
             return Options.of_quality(
-                self.quality,
+                self.quality or ("normal" if self.accuracy is None and self.time is None else "draft"),
                 **given,
                 element_size=self.element_size,
                 accuracy=self.accuracy,

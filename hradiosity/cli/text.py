@@ -10,6 +10,7 @@ from hradiosity.solution import Readings, Solution, interval_shares
 
 TOLD_PART = 5e-5
 """Parts of the intervals below this share of the reading are not told."""
+_BLOCKS = "▁▂▃▄▅▆▇█"
 ADVICE = {
     "sampling": "more replicates or samples narrow them",
     "mesh": "smaller elements narrow them",
@@ -55,6 +56,27 @@ def parts_lines(readings: Mapping[str, Readings]) -> list[str]:
         return []
     told = ", ".join(f"{name} {percent(share)}" for name, share in shown)
     return [f"the intervals are made of {told} (medians): {ADVICE.get(shown[0][0], '')}".rstrip(": ")]
+
+
+def error_curve(points: Sequence[tuple[float, float]], width: int = 40) -> str:
+    """Error against time as a line of blocks, on a logarithmic scale from the smallest to the largest.
+
+    Parameters
+    ----------
+    points : sequence of (seconds, error)
+        In the order of time; at least one.
+    width : int
+        Characters for the whole time from 0.
+    """
+    end = max(points[-1][0], 1e-9)
+    column = [min(width - 1, int(width * seconds / end)) for seconds, _ in points]
+    level = [math.log(max(error, 1e-9)) for _, error in points]
+    low, high = min(level), max(level)
+    text = [" "] * width
+    for here, until, value in zip(column, [*column[1:], width], level):
+        height = (value - low) / (high - low) if high > low else 0.0
+        text[here : max(until, here + 1)] = _BLOCKS[round(height * (len(_BLOCKS) - 1))] * max(until - here, 1)
+    return "".join(text[:width])
 
 
 def time_lines(seconds: Mapping[str, float]) -> list[str]:

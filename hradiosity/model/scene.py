@@ -118,10 +118,23 @@ class Note:
 
 
 @dataclass(frozen=True)
+class Variant:
+    """The same scene in other paints and lights; see `hradiosity.model.variants`.
+
+    materials, luminaires : all of them in the scene's order, each in place of the scene's
+    """
+
+    name: str
+    materials: tuple[Material, ...]
+    luminaires: tuple[Luminaire, ...]
+
+
+@dataclass(frozen=True)
 class Scene:
     """A checked, immutable description; holds no device data.
 
     objects : names of the objects that ``patches.object`` counts
+    variants : solved together with the scene itself, for the differences
     """
 
     name: str
@@ -136,6 +149,7 @@ class Scene:
     objects: tuple[str, ...]
     sky: Sky | None = None
     notes: tuple[Note, ...] = field(default=())
+    variants: tuple[Variant, ...] = field(default=())
 
     @property
     def reflectance(self) -> NDArray[np.float64]:

@@ -1,14 +1,19 @@
 """The whole computation: replicates of transport, solution and readings, one after the other."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 from hradiosity.device import Device
-from hradiosity.model.scene import Scene
+from hradiosity.errors import Fault, SceneError
+from hradiosity.model.scene import Scene, Variant
+from hradiosity.model.variants import variant_from
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.radiosity.state import State
 from hradiosity.solution import Solution
 
-__all__ = ["RadiositySolver", "State", "make_solver", "solve"]
+__all__ = ["RadiositySolver", "State", "compare", "make_solver", "solve"]
 
 
 def make_solver(
@@ -19,6 +24,7 @@ def make_solver(
 ) -> RadiositySolver:
     """The solver that the mode, the links and the form factors of the options name; all are used alike."""
     if options.mode == "classic":
+        _refuse_variants(scene)
         from hradiosity.radiosity.classic import ClassicSolver
 
         return ClassicSolver(scene, options, device, calibration)
@@ -31,6 +37,43 @@ def make_solver(
 
         return LinkedSolver(scene, options, device, calibration)
     return RadiositySolver(scene, options, device, calibration)
+
+
+def _refuse_variants(scene: Scene) -> None:
+    """The classic mode chooses what shoots, and what is subdivided, by the light of one scene."""
+    if scene.variants:
+        names = ", ".join(variant.name for variant in scene.variants)
+        found = f"the classic mode for a scene with variants: {names}"
+        raise SceneError([Fault("command line", "--mode", found, "rays; or a scene without variants")])
+
+
+def compare(
+    scene: Scene, variants: Sequence[Variant | Scene], options: Options | None = None, device: Device | None = None
+) -> Solution:
+    """Solve a scene and its variants together, with the same rays.
+
+    What the variants have in common with the scene cancels in the differences, random errors above all.
+
+    Parameters
+    ----------
+    scene : Scene
+    variants : sequence of Variant or Scene
+        See `hradiosity.make_variant`; a scene that differs in nothing but reflectances and emitted light is one too.
+    options : Options, optional
+    device : Device, optional
+
+    Returns
+    -------
+    Solution
+        Of the scene, with readings of the variants and their differences from it in ``variants``.
+
+    Raises
+    ------
+    ValueError
+        When a scene is no variant, or several variants have one name.
+    """
+    known = tuple(v if isinstance(v, Variant) else variant_from(scene, v) for v in variants)
+    return solve(replace(scene, variants=known), options, device)
 
 
 def solve(scene: Scene, options: Options | None = None, device: Device | None = None) -> Solution:

@@ -25,7 +25,7 @@ RAYS_SHARE: Final = 0.5
 """Rays that an audit may trace over those of the run. A ray of unbiased paths takes less than half the CPU seconds of
 one of a run, its solving included, so that this is less than a quarter; a limit in seconds would make results depend on
 the clock."""
-HEMICUBE_RAYS: Final = 500
+HEMICUBE_RAYS: Final = 4000
 """Rays that take about as long as drawing a hemicube and what it is drawn for."""
 USUAL_READINGS: Final = 59
 """The least with which the factor is not the largest ratio but the third largest: one odd reading does not decide."""

@@ -10,6 +10,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.options import Options
+from hradiosity.radiosity.budget import Round
 from hradiosity.radiosity.surfaces import Record
 from hradiosity.solvers.result import Convergence, Stage
 from hradiosity.transport.exchange import Defects
@@ -48,3 +50,15 @@ def unpack_record(packed: NDArray[np.uint8]) -> tuple[Record, Mapping[str, float
 def _convergence(found: dict[str, Any]) -> Convergence:
     stages = tuple(Stage(**stage) for stage in found["stages"])
     return Convergence(**(found | {"residual": tuple(found["residual"]), "stages": stages}))
+
+
+def pack_round(size: Round, given_up: list[dict[str, float]]) -> NDArray[np.uint8]:
+    """How large the replicates are, and the rounds before, as the bytes of a JSON text."""
+    text = json.dumps({"options": asdict(size.options), "focus": size.focus.tolist(), "given_up": given_up})
+    return np.frombuffer(text.encode(), np.uint8)
+
+
+def unpack_round(packed: NDArray[np.uint8]) -> tuple[Round, list[dict[str, float]]]:
+    """The inverse of `pack_round`."""
+    found: dict[str, Any] = json.loads(packed.tobytes())
+    return Round(Options(**found["options"]), np.array(found["focus"], np.float64)), found["given_up"]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,17 +13,21 @@ from numpy.typing import NDArray
 from hradiosity.device import Device
 from hradiosity.errors import DeviceError
 from hradiosity.model.scene import Note, Scene, Sensor
+from hradiosity.model.variants import check_variants
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import make_plan
 from hradiosity.planning_memory import check_fits
-from hradiosity.radiosity.checkpoint import pack_record, unpack_record
+from hradiosity.radiosity.budget import Accuracies, Round
+from hradiosity.radiosity.checkpoint import pack_record, pack_round, unpack_record, unpack_round
+from hradiosity.radiosity.pacer import Pacer
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import Record, SurfaceSolver
+from hradiosity.readings.differences import VariantMoments, replicate_readings
 from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.interval import part_of
-from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
+from hradiosity.readings.moments import ReadingMoments
 from hradiosity.readings.sensors import PathRules, SurfaceLight, read_points
 from hradiosity.readings.unseen import brightest_unseen
 from hradiosity.solution import Readings, Solution
@@ -36,9 +40,15 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
 NEAR_FACTOR = 0.5
 """The solution is never looked up at a hit nearer than so many sizes of its element."""
-MAX_REPLICATES = 256
 KEPT_BYTES = 256 * 2**20
 """Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
+
+
+class _Geometry(NamedTuple):
+    """What all rounds of a run share."""
+
+    bvh: Bvh
+    lit: LitSides
 
 
 class RadiositySolver:
@@ -67,9 +77,12 @@ class RadiositySolver:
         self.record = Record()
         self.cpu_seconds = 0.0
         self._calibration = calibration
+        self._pacer = Pacer.of(options)
+        self._geometry: _Geometry | None = None
         self._start = time.perf_counter()
         self._earlier_seconds = 0.0
-        self._readings = ReadingMoments(scene.sensors, scene.bands, full=options.full_metrics)
+        check_variants(scene)
+        self._readings = self._make_moments()
         self._surfaces: SurfaceSolver | None = None
         self._effort: Effort | None = None
         self.notes: tuple[Note, ...] = scene.notes
@@ -93,8 +106,7 @@ class RadiositySolver:
     @property
     def lit(self) -> LitSides:
         """Sides that light was found to reach before the run; made on first use."""
-        self._prepare()
-        return self._lit
+        return self._find_geometry().lit
 
     def states(self) -> Iterator[State]:
         """Run, yielding after each stage; whoever stops asking keeps what is known so far.
@@ -102,25 +114,37 @@ class RadiositySolver:
         A keyboard interrupt, or a device that fails, takes back the replicate that it breaks off, so that the solution
         and the checkpoint are those of the replicates before.
         """
-        surfaces = self._prepare()
+        self._prepare()
+        smaller = self._pacer.first_round(self.plan.seconds) if self.replicates == 0 else None
+        if smaller is not None:
+            self._begin(smaller)
+        self._pacer.prepared(self._elapsed())
         yield self._state("geometry")
         while self.replicates < self._wanted():
             before = self.checkpoint()
             cpu = self.device.work_cpu_seconds()
             try:
-                self._replicate(surfaces)
+                self._replicate(self._prepare())
             except (KeyboardInterrupt, DeviceError, MemoryError):
                 self._load(before)
                 raise
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
+            self._pacer.replicated(self._elapsed(), self.record.seconds["readings"])
             yield self._state("replicate")
+            larger = self._pacer.larger(self._found(), self.replicates, self._samples(), self._elapsed())
+            if larger is not None:
+                self._pacer.begin(larger, self._found(), self.replicates, self._elapsed())
+                self._begin(larger)
+                self._pacer.prepared(self._elapsed())
+                yield self._state("larger replicates")
 
     @property
     def accuracy_reached(self) -> bool:
         """Whether all readings are as accurate as was asked for; True if nothing was asked."""
-        if self.options.accuracy is None:
+        found = self._found()
+        if self.options.accuracy is None or not self.scene.sensors:
             return True
-        return self.replicates >= 2 and float(self._errors().max(initial=0.0)) <= self.options.accuracy
+        return found is not None and bool((found.total <= self.options.accuracy).all())
 
     def solution(self) -> Solution:
         """What is known so far.
@@ -142,6 +166,7 @@ class RadiositySolver:
             complete=self.replicates >= self._wanted(),
             record=self._summary(),
             reader=self.read,
+            variants=self._readings.variants(self._prepare().shared_errors()),
         )
 
     def read(self, position: NDArray[np.float64], normal: NDArray[np.float64]) -> Readings:
@@ -166,6 +191,7 @@ class RadiositySolver:
         seconds = self._earlier_seconds + self._elapsed()
         return {
             "record": pack_record(self.record, cpu_seconds=self.cpu_seconds, wall_seconds=seconds),
+            "round": pack_round(self._pacer.size, self._pacer.rounds),
             **({f"effort/{name}": array for name, array in vars(self._effort).items()} if self._effort else {}),
             **{f"readings/{name}": array for name, array in self._readings.checkpoint().items()},
             **{f"surfaces/{name}": array for name, array in surfaces.checkpoint().items()},
@@ -181,6 +207,10 @@ class RadiositySolver:
         """
         self._prepare()
         geometry = dict(self.record.seconds)
+        size, rounds = unpack_round(kept["round"])
+        if size.options != self._pacer.size.options:
+            self._begin(size)
+        self._pacer = Pacer(self.options, size, rounds)
         numbers = self._load(kept)
         for stage, seconds in geometry.items():
             self.record.seconds[stage] = self.record.seconds.get(stage, 0.0) + seconds
@@ -198,23 +228,49 @@ class RadiositySolver:
         return numbers
 
     def _prepare(self) -> SurfaceSolver:
-        """Ray structure, lit sides, plan and elements; once."""
+        """Plan and elements of this round; made on first use."""
         if self._surfaces is None:
+            geometry = self._find_geometry()
             cpu = self.device.work_cpu_seconds()
             with self.record.timed("geometry"):
-                cut = cut_at_contacts(self.scene)
-                modelled, self.scene = self.scene, cut.scene
-                bvh = build_bvh(self.device, self.scene.patches)
-                self._lit = lit = find_lit_sides(self.scene, bvh, seed=self.options.seed)
-            cpu -= self._check(modelled, bvh, lit, cut.parent)
-            with self.record.timed("geometry"):
-                plan = make_plan(self.scene, self.options, lit)
-                surfaces = self.surface_solver(self.device, self.scene, bvh, lit, plan, self.options, self.record)
+                options = self._pacer.size.options
+                plan = make_plan(self.scene, options, geometry.lit)
+                surfaces = self.surface_solver(
+                    self.device, self.scene, geometry.bvh, geometry.lit, plan, options, self.record
+                )
                 surfaces.plan = surfaces.sized_plan(self._calibration)
                 check_fits(surfaces.plan, self.device)
                 self._surfaces = surfaces
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
         return self._surfaces
+
+    def _find_geometry(self) -> _Geometry:
+        """Ray structure and lit sides, found once; the scene is checked then."""
+        if self._geometry is None:
+            cpu = self.device.work_cpu_seconds()
+            with self.record.timed("geometry"):
+                cut = cut_at_contacts(self.scene)
+                modelled, self.scene = self.scene, cut.scene
+                bvh = build_bvh(self.device, self.scene.patches)
+                self._geometry = _Geometry(bvh, find_lit_sides(self.scene, bvh, seed=self.options.seed))
+            cpu -= self._check(modelled, bvh, self._geometry.lit, cut.parent)
+            self.cpu_seconds += self.device.work_cpu_seconds() - cpu
+        return self._geometry
+
+    def _make_moments(self) -> VariantMoments:
+        """For the sensors of the scene, before the first replicate."""
+        variants = [variant.name for variant in self.scene.variants]
+        return VariantMoments(self.scene.sensors, self.scene.bands, variants, full=self.options.full_metrics)
+
+    def _begin(self, size: Round) -> None:
+        """Start anew with replicates of another size."""
+        self._pacer.size = size
+        self._readings = self._make_moments()
+        self._surfaces, self._effort = None, None
+        self._kept = []
+        self.record.defects.clear()
+        self.record.convergence.clear()
+        self._prepare()
 
     def _check(self, modelled: Scene, bvh: Bvh, lit: LitSides, parent: NDArray[np.int64]) -> float:
         """Look for what is doubtful about the scene; returns minus the CPU seconds, which are no part of solving.
@@ -237,7 +293,8 @@ class RadiositySolver:
         light = surfaces.replicate(seed)
         with self.record.timed("readings"):
             if self._effort is None:
-                self._effort = self._plan_effort(self._readings, surfaces.on_device_elements, light, seed)
+                even = self._plan_effort(self._readings, surfaces.on_device_elements, light, seed)
+                self._effort = even.focused(self._pacer.size.focus)
             self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
         plan = self.plan
         per_reading = plan.n_emitters * plan.light_samples + 3 * plan.gather_samples
@@ -286,27 +343,22 @@ class RadiositySolver:
             light_samples=effort.light,
             gather_samples=effort.gather,
         )
-        to_bands = self.plan.columns.to_bands
-        moments.add(
-            ReplicateReadings(
-                to_bands(samples.irradiance),
-                samples.enclosed,
-                None if samples.coarse_change is None else to_bands(samples.coarse_change),
-                None if unseen is None else to_bands(unseen),
-            )
-        )
+        moments.add(replicate_readings(self.plan.columns, samples, unseen))
 
     def _wanted(self) -> int:
-        """Replicates to do, as far as is known by now."""
-        options, done = self.options, self.replicates
-        out_of_time = options.time is not None and self._elapsed() >= options.time and done >= 2
-        if out_of_time or done >= MAX_REPLICATES:
-            return done
-        if done < options.replicates:
-            return options.replicates
-        reached = options.accuracy is not None and self.accuracy_reached
-        unbounded = options.accuracy is None and options.time is None
-        return done if unbounded or reached else done + 1
+        """Replicates of this round, as far as is known by now."""
+        return self._pacer.wanted(self._found(), self.replicates, self._elapsed())
+
+    def _found(self) -> Accuracies | None:
+        """How accurate all readings are; None before two replicates."""
+        if self.replicates < 2:
+            return None
+        shared = self._prepare().shared_errors()
+        return Accuracies.of(self._readings.readings(shared, illuminance_only=True))
+
+    def _samples(self) -> NDArray[np.int64]:
+        """(n,) paths of each reading in a replicate."""
+        return np.zeros(0, np.int64) if self._effort is None else self._effort.gather
 
     def _current(self) -> dict[str, Readings]:
         """Readings with their intervals as of now."""
@@ -332,6 +384,7 @@ class RadiositySolver:
             elements=0 if self._surfaces is None else len(self._surfaces.elements),
             rays=self.record.rays,
             unshot=history[-1],
+            remaining=self._pacer.remaining(self._found(), self.replicates, self._samples(), self._elapsed()),
         )
 
     def _interval_parts(self) -> list[str]:
@@ -344,6 +397,8 @@ class RadiositySolver:
             "options": asdict(self.options),
             "device": self.device.description,
             "replicates": self.replicates,
+            "rounds_given_up": self._pacer.rounds,
+            "focused": bool(len(self._pacer.size.focus)),
             "stage_seconds": dict(self.record.seconds),
             "solve_cpu_s": self.cpu_seconds,
             "kernel_build_s": self.device.build_time.wall,

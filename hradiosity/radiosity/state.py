@@ -16,6 +16,7 @@ class State:
         infinite before two replicates
     elements, rays : row elements, and rays traced so far
     unshot : relative residual of the last solution
+    remaining : expected wall seconds to the end; None while nothing is known
     """
 
     stage: str
@@ -27,3 +28,4 @@ class State:
     elements: int
     rays: int
     unshot: float
+    remaining: float | None = None

@@ -125,15 +125,15 @@ class SurfaceSolver:
         self._exitance = columns.padded(self._glow.exitance)
         self._glow_on_device = device.upload(self._exitance) if self._glow.shines else None
         self._emission_on_device = device.upload(self.emission)
-        luminous = np.einsum("cb,b->c", columns.expansion, luminous_weights(scene.bands))
-        equal = columns.expansion.sum(axis=1)
+        luminous = np.einsum("cb,b->c", columns.summed, luminous_weights(scene.bands))
+        equal = columns.summed.sum(axis=1)
         brightness = luminous + EQUAL_ENERGY_WEIGHT * equal
         # Only ratios matter, and squares of very strong or weak light would leave single precision.
         brightness /= brightness.max(initial=np.finfo(float).tiny)
         self._weight_on_device = device.upload(columns.padded(brightness))
         self._sky = columns.padded(columns.sky)
         self._sky_on_device = device.upload(self._sky)
-        weight = columns.padded(shooting_weights(columns.expansion, luminous_weights(scene.bands)))
+        weight = columns.padded(shooting_weights(columns.summed, luminous_weights(scene.bands)))
         self._choice = SolverChoice(options.solver, weight, options.blocks)
         self._cut(lit)
 

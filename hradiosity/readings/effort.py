@@ -41,6 +41,16 @@ class Effort:
         """The same for all `n` readings."""
         return cls(np.full(n, light, np.int64), np.full(n, gather, np.int64), np.zeros((n, 0), np.float32))
 
+    def focused(self, focus: NDArray[np.float64]) -> Effort:
+        """So many times the samples (n,), in steps of a factor 2; the same if there are no entries."""
+        if not len(focus):
+            return self
+        times = 2.0 ** np.rint(np.log2(focus))
+        light, gather = (
+            np.maximum(np.rint(times * part), part > 0).astype(np.int64) for part in (self.light, self.gather)
+        )
+        return Effort(light, gather, self.guide)
+
     @property
     def tables(self) -> NDArray[np.float32] | None:
         """Of the guide, as kernels take them; None without one."""
@@ -105,9 +115,16 @@ def _partial(
     direct: NDArray[np.float32],
     seed: int,
 ) -> NDArray[np.float64]:
-    """(n, n_emitters) variance of one shadow ray's factor: G (F − G), F without obstacles."""
+    """(n, n_emitters) variance of one shadow ray's factor: F² v (1 − v), F without obstacles, v the visible share.
+
+    That share is taken with Jeffreys' prior: a lamp that the pilot's rays all missed may yet be seen by one ray in a
+    hundred, which would be most of the light in a deep shadow.
+    """
     clear = direct_at_points(scene.without_occlusion(), position, normal, 1, seed).astype(np.float64)
-    return np.maximum(direct * (clear - direct), 0.0)
+    seen = np.divide(direct, clear, out=np.zeros_like(clear), where=clear > 0.0)
+    likely = (np.clip(seen, 0.0, 1.0) * PILOT_LIGHT_SAMPLES + 0.5) / (PILOT_LIGHT_SAMPLES + 1.0)
+    variance: NDArray[np.float64] = clear**2 * likely * (1.0 - likely)
+    return variance
 
 
 def _spread(spread: NDArray[np.float64], mean_samples: int) -> NDArray[np.int64]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,12 +31,23 @@ class ReplicateReadings:
     coarse_change : (n, n_bands) float64, what elements of twice the size would add; None where that is not known
     brightest_unseen : (n, n_bands) float64, most that a path could have brought over the number of paths, where light
         may come though no path found any; None for certain
+    unlike : (n, n_bands) float64, for variants: see `hradiosity.plan.SpectralColumns.unlike`; None for the scene
+    variants : the same of the scene's variants
     """
 
     spectra: NDArray[np.float64]
     enclosed: NDArray[np.float64]
     coarse_change: NDArray[np.float64] | None = None
     brightest_unseen: NDArray[np.float64] | None = None
+    unlike: NDArray[np.float64] | None = None
+    variants: tuple[ReplicateReadings, ...] = ()
+
+
+class ReplicateNumbers(NamedTuple):
+    """The numbers of a replicate by name, and those with elements of twice the size, if these are known."""
+
+    fine: dict[str, NDArray[np.float64]]
+    coarse: dict[str, NDArray[np.float64]] | None
 
 
 class ReadingMoments:
@@ -69,9 +81,9 @@ class ReadingMoments:
         """Number of replicates."""
         return self._enclosed.count
 
-    def add(self, replicate: ReplicateReadings) -> None:
-        """Take one more replicate into account."""
-        numbers = self._numbers.of(replicate.spectra)
+    def add(self, replicate: ReplicateReadings) -> ReplicateNumbers:
+        """Take one more replicate into account; returns its numbers."""
+        numbers, coarse = self._numbers.of(replicate.spectra), None
         for name, value in numbers.items():
             self._values[name].add(value)
         if replicate.coarse_change is not None:
@@ -81,16 +93,21 @@ class ReadingMoments:
         self._enclosed.add(replicate.enclosed)
         unseen = replicate.brightest_unseen
         self._unseen.add(np.zeros_like(replicate.spectra) if unseen is None else unseen)
+        return ReplicateNumbers(numbers, coarse)
 
-    def readings(self, relative: Mapping[str, float] | None = None) -> dict[str, Readings]:
+    def readings(
+        self, relative: Mapping[str, float] | None = None, *, illuminance_only: bool = False
+    ) -> dict[str, Readings]:
         """Means so far and their intervals, by sensor name.
 
         Parameters
         ----------
         relative : mapping, optional
             By part of the intervals: share of each band that all replicates may be off by alike.
+        illuminance_only : bool
+            Leave all other numbers out, which takes far less time.
         """
-        estimates = self._estimates(relative or {})
+        estimates = self._estimates(relative or {}, illuminance_only)
         return {name: self._readings(index, name, estimates) for index, name in enumerate(self._numbers.parts)}
 
     def errors(self, relative: Mapping[str, float] | None = None) -> NDArray[np.float64]:
@@ -124,10 +141,10 @@ class ReadingMoments:
             "unseen": self._unseen,
         }
 
-    def _estimates(self, relative: Mapping[str, float]) -> dict[str, Estimate]:
+    def _estimates(self, relative: Mapping[str, float], illuminance_only: bool) -> dict[str, Estimate]:
         """Every number of all readings and sensors. Numbers that are no powers are those of the mean spectrum."""
         spectra = self._values["irradiance"].mean
-        numbers = self._numbers.of(spectra)
+        numbers = self._numbers.illuminances(spectra) if illuminance_only else self._numbers.of(spectra)
         effects = {part: self._numbers.effect_of(spectra, numbers, share) for part, share in relative.items()}
         count = self.count
         estimates = {}
@@ -143,8 +160,8 @@ class ReadingMoments:
         bound = UNSEEN_PATHS * self._unseen.mean / max(self.count, 1)
         if not bound.any():
             return estimates
-        numbers = self._numbers.of(bound)
-        for name in ("irradiance", "illuminance"):
+        numbers = {"irradiance": bound} | self._numbers.illuminances(bound)
+        for name in estimates.keys() & {"irradiance", "illuminance"}:
             estimate = estimates[name]
             missed = np.where(estimate.value == 0.0, numbers[name], 0.0)
             estimates[name] = Estimate(

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.scene import Scene
+from hradiosity.model.variants import stacked_emission, stacked_reflectance
 from hradiosity.plan import SpectralColumns
 from hradiosity.space.hierarchy import side_materials
 from hradiosity.space.lit_sides import LitSides
@@ -69,19 +70,20 @@ def weak_emitters(scene: Scene, lit: LitSides) -> NDArray[np.bool_]:
 
     In each closed space the mean irradiance is estimated by the energy balance of an integrating sphere. Emitters
     join, the one that adds least to the variance of the exitance first, as long as all that have joined together raise
-    it by `MORE_VARIANCE` at most in every band: they add about that share to the variance of a reading's rays.
+    it by `MORE_VARIANCE` at most in every band, of the scene and of its variants: they add about that share to the
+    variance of a reading's rays.
     """
     lamps, patches = scene.emitters, scene.patches
     area_lamp = lamps.patch >= 0
     weak = area_lamp.copy()
     emitter, side = _shining_sides(scene, area_lamp)
     space, area = lit.space.ravel()[side], patches.area[side // 2]
-    sent = np.array([lamp.exitance if len(lamp.exitance) else lamp.intensity for lamp in scene.luminaires])
+    sent = stacked_emission(scene)
     exitance = sent[lamps.luminaire[emitter]]
     of_points = 4.0 * np.pi * sent[lamps.luminaire[~area_lamp]].sum(axis=0)
     two_sided = np.array([m.two_sided for m in scene.materials], bool)
-    black = np.zeros((1, len(scene.bands)))
-    reflectance = np.concatenate([scene.reflectance, black])[side_materials(patches, two_sided)]
+    black = np.zeros((1, sent.shape[1]))
+    reflectance = np.concatenate([stacked_reflectance(scene), black])[side_materials(patches, two_sided)]
     for s in np.unique(space):
         if s < 0 or lit.open[s]:
             weak[emitter[space == s]] = False
