@@ -42,7 +42,8 @@ HR_FORCE_INLINE float hr_hidden(const float3 x, const float3 n, const uint own, 
 /* Irradiance of each row's exposed part for unit emission of each emitter. The points are the origins of the row's own
    exchange rays, so that both see the same part of the element. Where nothing stands between, each point takes the
    closed form. Else, from afar each takes one sample of the kernel; near an emitter it takes the closed form less what
-   is found hidden. */
+   is found hidden if another point found the emitter open, and what it finds open itself if none did: no noise in full
+   view, 0 behind a wall, and no bias, since rays near an emitter are drawn independently of those of other points. */
 __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const uint *hit_row, /* (n_rows, n_samples), from trace_rows          */
                           __global const uchar *row_sight, /* (n_rows, n_emitters) HR_SIGHT_…            */
@@ -64,7 +65,8 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     const uint row_seed = hr_combine(seed, row);
     const uint lamp_seed = hr_combine(row_seed, emitter);
     float sum = 0.0f;
-    uint exposed = 0, any_open = 0;
+    float lone = 0.0f;
+    uint exposed = 0, open = 0;
     for (uint k = 0; k < n_samples && exposed < n_points; ++k) {
         if (hit_row[row * n_samples + k] == HR_COVERED)
             continue;
@@ -76,7 +78,7 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         const float3 x = place.position, n = place.normal;
         if (is_free) {
             sum += hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
-            any_open = 1;
+            ++open;
             continue;
         }
         const float2 at = (float2)(hr_sample(k, 2, lamp_seed), hr_sample(k, 3, lamp_seed));
@@ -86,7 +88,8 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
             const float light = far_area * hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH);
             if (light > 0.0f && hr_open(x, n, place.patch, y, patch, scale, HR_BVH) > 0.0f) {
                 sum += light;
-                any_open = 1;
+                lone = 0.0f;
+                ++open;
             }
             continue;
         }
@@ -94,13 +97,18 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         if (factor <= 0.0f)
             continue;
         float clear;
+        const uint own_seed = hr_combine(lamp_seed, k);
         const float hidden = hr_hidden(x, n, place.patch, emitter,
-                                       (float4)(at.x, at.y, hr_sample(k, 4, lamp_seed), hr_sample(k, 5, lamp_seed)),
+                                       (float4)(hr_sample(0, 2, own_seed), hr_sample(0, 3, own_seed),
+                                                hr_sample(0, 4, own_seed), hr_sample(0, 5, own_seed)),
                                        &clear, scale, HR_EMITTER, HR_PATCH, HR_BVH);
-        any_open |= hidden < clear;
+        if (hidden < clear) {
+            lone = factor - clear;
+            ++open;
+        }
         sum += factor - hidden;
     }
-    direct[i] = any_open ? sum / (float)exposed : 0.0f;
+    direct[i] = open > 1 ? sum / (float)exposed : open > 0 ? (sum - lone) / (float)exposed : 0.0f;
 }
 
 /* Whether a shaft proves that nothing stands between the point x and an area emitter. */
