@@ -109,5 +109,7 @@ def test_the_machine_and_its_container_are_asked(tmp_path):
     assert available_host_bytes(tmp_path) == 4000 * 1024
     (group / "memory.max").write_text("3000\n")
     assert available_host_bytes(tmp_path) == 2000
+    (group / "memory.stat").write_text("anon 700\ninactive_file 250\n")
+    assert available_host_bytes(tmp_path) == 2250
     (group / "memory.current").write_text("5000\n")
     assert available_host_bytes(tmp_path) == 0
