@@ -125,6 +125,24 @@ def test_mean_over_elements_is_the_form_factor_of_the_pair(device, size):
     assert received == pytest.approx(polygon_pair(lamp, corners), rel=2e-2 if size > 10 else 2e-3)
 
 
+@pytest.mark.parametrize("points", [1, 2, 4])
+def test_all_light_of_a_lamp_above_slats_lands_somewhere(device, points):
+    """In a closed room all elements together receive what the lamp sends out, however few points each of them has."""
+    b = cube(0.5, side=2.0)
+    material = b.material(0.5)
+    b.lamp(b.patch((0.5, 0.5, 1.9), (0, 1, 0), (1, 0, 0), material), 1.0)
+    for at in np.linspace(0.5, 1.5, 6):
+        b.patch((at, 0.5, 1.6), (0, 1, 0), (0, 0, 0.2), material)
+        b.patch((0.5, at, 1.6), (1, 0, 0), (0, 0, 0.2), material)
+    received = []
+    for seed in range(32):
+        elements, direct = on_rows(device, b, 0.25, points, seed)
+        received.append(elements.area @ direct[:, 0])
+    error = np.std(received, ddof=1) / np.sqrt(len(received))
+    assert error < 0.025
+    assert np.mean(received) == pytest.approx(1.0, abs=4.0 * error)
+
+
 def test_point_source_over_a_half_shaded_element(device):
     """A card hides the brighter part of the floor: visibility must be weighed by what each ray brings.
 
