@@ -15,7 +15,7 @@ from hradiosity.io.output_folder import write_file
 from hradiosity.model.scene import Scene, View
 from hradiosity.show.camera import project
 from hradiosity.show.files import png_bytes
-from hradiosity.show.findings_view import Pixels, Stage, close_view, draw, is_in_sight, overview
+from hradiosity.show.findings_view import Pixels, Stage, close_view, draw, frame_lines, is_in_sight, overview
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.check import Finding
 from hradiosity.space.lit_sides import LitSides
@@ -44,6 +44,7 @@ class _Card:
     finding: Finding
     lines: tuple[tuple[str, str], ...]
     view: View
+    frame: NDArray[np.float64]
     pixels: Pixels
     in_sight: bool
 
@@ -89,7 +90,7 @@ def _card(stage: Stage, number: int, finding: Finding) -> _Card:
     lines = [(line, _INK) for line in textwrap.wrap(finding.message, _LETTERS)]
     lines += [(line, _PALE) for line in textwrap.wrap(finding.effect, _LETTERS)]
     lines += [(line, "#1b7a34") for line in textwrap.wrap(f"→ {finding.fix}" if finding.fix else "", _LETTERS)]
-    return _Card(number, finding, tuple(lines), view, pixels, in_sight)
+    return _Card(number, finding, tuple(lines), view, frame_lines(stage, view), pixels, in_sight)
 
 
 def _sheet(stage: Stage, view: View, findings: Sequence[Finding], cards: Sequence[_Card]) -> bytes:
@@ -168,6 +169,7 @@ def _place_overview(
 ) -> None:
     marked = sorted({patch for card in cards for patch in card.finding.patches if card.finding.severity != "info"})
     axes = _picture(figure, draw(stage, view, marked, _LINEAR["warning"]), _MARGIN, y, total)
+    _dash(axes, frame_lines(stage, view))
     places = project(view, np.array([card.finding.place for card in cards]).reshape(-1, 3))
     for card, place, badge in zip(cards, places, _apart(places), strict=True):
         _badge(axes, card, place, badge)
@@ -175,6 +177,7 @@ def _place_overview(
 
 def _place_card(figure: Figure, page: Axes, card: _Card, x: float, y: float, total: float) -> None:
     axes = _picture(figure, card.pixels, x, y, total)
+    _dash(axes, card.frame)
     (place,) = project(card.view, card.finding.place[None])
     if not card.in_sight:
         said = "hidden: it lies behind or inside what is seen here"
@@ -184,6 +187,12 @@ def _place_card(figure: Figure, page: Axes, card: _Card, x: float, y: float, tot
     page.text(x, y + _CLOSE[1] + 20, f"{card.number}  {finding.kind}", size=10, weight="bold", color=colour)
     for row, (line, ink) in enumerate(card.lines):
         page.text(x, y + _CLOSE[1] + 38 + _LINE_HEIGHT * row, line, size=8, color=ink)
+
+
+def _dash(axes: Axes, lines: NDArray[np.float64]) -> None:
+    """The edges of the scene's box, which may be those of walls that are looked through."""
+    for line in lines:
+        axes.plot(*line.T, linewidth=0.8, linestyle=(0, (6, 4)), color="#8d97a5")
 
 
 def _badge(axes: Axes, card: _Card, place: NDArray[np.float64], badge: NDArray[np.float64]) -> None:

@@ -30,12 +30,15 @@ _LAMP: Final = (0.95, 0.85, 0.35)
 _LINE: Final = 0.35
 """Share of the brightness that is left on an outline."""
 _FIELD: Final = 45.0
+_BOX: Final = np.array([[x, y, z] for x in (0.0, 1.0) for y in (0.0, 1.0) for z in (0.0, 1.0)])
 _FROM: Final = (-0.55, -0.8, 0.62)
 """Direction from the middle of the scene to the camera of the overview."""
 _FRAMED: Final = 3.8
 """Distance of a close camera over the size of what it shows."""
 _NEAREST: Final = 0.2
 """Least distance of a close camera over the size of the scene."""
+_WITHIN: Final = 0.6
+"""What a camera inside the bounding box is worth, in shares of what it sees."""
 _TIE: Final = 3e-6
 """Over the size of the scene: surfaces closer than this are in one place."""
 _STEP: Final = 1e-3
@@ -112,7 +115,9 @@ def close_view(
         normal = stage.scene.patches.normal[np.asarray(patches)].mean(axis=0)
         facing = np.abs(around @ normal)
     steep = np.abs(np.degrees(np.arcsin(np.clip(around[:, 2], -1.0, 1.0))) - 35.0) / 90.0
-    score = (1.0 if patches else 0.5) * share + 0.4 * np.minimum(facing, 0.7) - 0.3 * steep
+    low, high = stage.scene.patches.bounds()
+    within = ((camera > low) & (camera < high)).all(axis=1)
+    score = (1.0 if patches else 0.5) * share + 0.4 * np.minimum(facing, 0.7) - 0.3 * steep + _WITHIN * within
     return _looking(camera[int(score.argmax())], place, _FIELD, width, height)
 
 
@@ -120,7 +125,7 @@ def overview(stage: Stage, width: int, height: int) -> View:
     """A camera outside and above, as near as the whole scene is in its picture."""
     low, high = stage.scene.patches.bounds()
     middle = 0.5 * (low + high)
-    corners = np.array(np.meshgrid(*zip(low, high, strict=True))).reshape(3, -1).T
+    corners = low + _BOX * (high - low)
     direction = np.array(_FROM) / np.linalg.norm(_FROM)
     for distance in stage.size * np.linspace(0.7, 2.4, 35):
         view = _looking(middle + distance * direction, middle, _FIELD, width, height)
@@ -128,6 +133,14 @@ def overview(stage: Stage, width: int, height: int) -> View:
         if (np.abs(share - 0.5) < 0.48).all():
             break
     return view
+
+
+def frame_lines(stage: Stage, view: View) -> NDArray[np.float64]:
+    """(12, 2, 2) edges of the bounding box in pixels of a view."""
+    low, high = stage.scene.patches.bounds()
+    corner = low + _BOX * (high - low)
+    ends = [(i, j) for i in range(8) for j in range(i + 1, 8) if np.abs(_BOX[i] - _BOX[j]).sum() == 1.0]
+    return project(view, corner[np.array(ends)].reshape(-1, 3)).reshape(-1, 2, 2)
 
 
 def draw(stage: Stage, view: View, marked: Sequence[int], colour: tuple[float, float, float]) -> Pixels:
