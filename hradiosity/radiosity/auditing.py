@@ -232,6 +232,7 @@ def audited(solution: Solution, found: Audit) -> Solution:
     return replace(
         solution,
         readings={name: readings.widened(factor) for name, readings in solution.readings.items()},
+        variants={name: variant.widened(factor) for name, variant in solution.variants.items()},
         record={**solution.record, "audit": found.record()},
         reader=None if reader is None else lambda position, normal: reader(position, normal).widened(factor),
     )
