@@ -124,7 +124,9 @@ class SurfaceSolver:
         self._reflectance_on_device = device.upload(self._reflectance[self._glow.material])
         self._exitance = columns.padded(self._glow.exitance)
         self._glow_on_device = device.upload(self._exitance) if self._glow.shines else None
-        self._emission_on_device = device.upload(self.emission)
+        # Paths without an emitter to draw read row 0 and multiply it by 0: what lies beyond a buffer may be NaN.
+        dark = np.zeros((1, self.emission.shape[1]), np.float32)
+        self._emission_on_device = device.upload(self.emission if len(self.emission) else dark)
         luminous = np.einsum("cb,b->c", columns.summed, luminous_weights(scene.bands))
         equal = columns.summed.sum(axis=1)
         brightness = luminous + EQUAL_ENERGY_WEIGHT * equal
