@@ -37,12 +37,13 @@ FRAMES = st.builds(
 class Room:
     """What a room is made from: its numbers come from `seed`, its blocks stand in the quarters of the floor.
 
-    blocks : "floor" stands flush on the floor, "hanging" clear of everything, "" nothing; one for each quarter
+    blocks : one for each quarter: "floor" stands flush on the floor, "stack" carries another, "corner" touches two
+        walls as well, "hanging" is clear of everything, "" is nothing
     screen : a two-sided triangle hangs below the ceiling
     """
 
     seed: int
-    blocks: tuple[str, str, str, str]
+    blocks: tuple[str, ...]
     screen: bool
 
     def builder(self, bands, reflectance):
@@ -63,16 +64,19 @@ class Room:
         return b, size
 
     def _block(self, b, rng, size, quarter, kind, paint):
-        """A block turned about the vertical, well inside its quarter and below 0.8 of the height."""
-        middle = size[:2] * (0.25 + 0.5 * np.array([quarter % 2, quarter // 2]))
-        radius = 0.22 * size[:2].min()
+        """A block well inside its quarter and below 0.7 of the height; only those in a corner are not turned."""
+        signs = 2.0 * np.array([quarter % 2, quarter // 2]) - 1.0
+        reach = 0.22 * size[:2].min()
         slant = rng.uniform(0.3, 1.2)
-        half = radius * np.array([np.cos(slant), np.sin(slant)])
-        low = 0.0 if kind == "floor" else rng.uniform(0.02, 0.2) * size[2]
+        half = reach * np.array([np.cos(slant), np.sin(slant)])
+        low = rng.uniform(0.02, 0.2) * size[2] if kind == "hanging" else 0.0
         high = low + rng.uniform(0.02, 0.5) * size[2]
         first = len(b.rows)
         b.box((-half[0], -half[1], low), (half[0], half[1], high), paint, solid=True)
-        turn = Rotation.from_rotvec([0, 0, rng.uniform(0, 3)]).as_matrix()
+        if kind == "stack":
+            b.box((-half[0], -0.7 * half[1], high), (0.6 * half[0], half[1], 0.7 * size[2]), paint, solid=True)
+        turn = np.eye(3) if kind == "corner" else Rotation.from_rotvec([0, 0, rng.uniform(0, 3)]).as_matrix()
+        middle = np.where(signs > 0.0, size[:2] - half, half) if kind == "corner" else size[:2] * (0.5 + 0.25 * signs)
         for k in range(first, len(b.rows)):
             origin, u, v, *rest = b.rows[k]
             b.rows[k] = (turn @ origin + [*middle, 0.0], turn @ u, turn @ v, *rest)
@@ -81,7 +85,7 @@ class Room:
 ROOMS = st.builds(
     Room,
     seed=st.integers(0, 2**31 - 1),
-    blocks=st.tuples(*[st.sampled_from(["", "floor", "hanging"])] * 4),
+    blocks=st.tuples(*[st.sampled_from(["", "floor", "stack", "corner", "hanging"])] * 4),
     screen=st.booleans(),
 )
 
