@@ -21,12 +21,14 @@ from hradiosity.solution import Solution
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.transport.device_scene import upload_scene
 
-RAYS_SHARE: Final = 0.5
-"""Rays that an audit may trace over those of the run. A ray of unbiased paths takes less than half the CPU seconds of
-one of a run, its solving included, so that this is less than a quarter; a limit in seconds would make results depend on
+RAYS_SHARE: Final = 0.22
+"""Rays that an audit may trace over what the run did, counted in rays. A ray of unbiased paths takes no longer than one
+of a run, so that this is less than a quarter of the run's CPU seconds; a limit in seconds would make results depend on
 the clock."""
-HEMICUBE_RAYS: Final = 4000
-"""Rays that take about as long as drawing a hemicube and what it is drawn for."""
+ELEMENT_RAYS: Final = 80
+"""Rays that take about as long as all else that a replicate does for an element: pairing, closing, solving."""
+HEMICUBE_RAYS: Final = 8000
+"""Rays that take about as long as drawing a hemicube and what it is drawn for, or less."""
 USUAL_READINGS: Final = 59
 """The least with which the factor is not the largest ratio but the third largest: one odd reading does not decide."""
 MOST_READINGS: Final = 299
@@ -94,6 +96,13 @@ def no_audit_because(solution: Solution) -> str | None:
     return None
 
 
+def most_rays(solution: Solution) -> int:
+    """Rays that an audit may trace; its first round is traced in any case."""
+    record = solution.record
+    elements = ELEMENT_RAYS * record["elements"] * solution.replicates
+    return int(RAYS_SHARE * (record["rays"] + elements + HEMICUBE_RAYS * record["hemicubes"]["drawn"]))
+
+
 def _auditable(solution: Solution) -> NDArray[np.bool_]:
     """(n,) which readings have an interval; those that are dark for certain have none."""
     half_width = _of_readings(solution, "illuminance_half_width")
@@ -122,9 +131,8 @@ class Auditor:
     def __init__(self, scene: Scene, solution: Solution, device: Device) -> None:
         self.cpu_seconds = 0.0
         self._scene, self._solution, self._device = scene, solution, device
-        record = solution.record
-        self._most_rays = int(RAYS_SHARE * (record["rays"] + HEMICUBE_RAYS * record["hemicubes"]["drawn"]))
-        self._run_seed = int(record["options"]["seed"])
+        self._most_rays = most_rays(solution)
+        self._run_seed = int(solution.record["options"]["seed"])
         self._sensor = np.repeat(np.arange(len(solution.readings)), [len(r) for r in solution.readings.values()])
         usable = np.flatnonzero(_auditable(solution))
         self._order = usable[audit_order(self._sensor[usable], _seed(self._run_seed, 2))]
@@ -211,7 +219,7 @@ class Auditor:
         spectra = np.concatenate([batch.per_scramble for batch in self._batches], axis=1)
         lux = illuminance(spectra, self._scene.bands)
         error = lux.std(axis=0, ddof=1) / np.sqrt(SCRAMBLES)
-        noise = pooled_noise(error, _of_readings(self._solution, "illuminance")[chosen], self._sensor[chosen])
+        noise = pooled_noise(error, _of_readings(self._solution, "illuminance")[chosen])
         return lux.mean(axis=0), student_quantile(LEVEL, SCRAMBLES - 1) * noise
 
     def _clear(self) -> bool:

@@ -18,6 +18,7 @@ LEVEL: Final = 0.95
 """Share of the readings whose intervals should hold."""
 LEAST_READINGS: Final = 19
 """With fewer no order statistic reaches the level."""
+_ALIKE: Final = 9
 
 
 @dataclass(frozen=True)
@@ -65,26 +66,25 @@ def audit_order(group: NDArray[np.int64], seed: int) -> NDArray[np.int64]:
     return order
 
 
-def pooled_noise(
-    standard_error: NDArray[np.float64], value: NDArray[np.float64], group: NDArray[np.int64]
-) -> NDArray[np.float64]:
-    """(n,) standard errors, none smaller than what is usual in its group.
+def pooled_noise(standard_error: NDArray[np.float64], value: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n,) standard errors, none smaller than what is usual among readings of like brightness.
 
     Where light is rarely found, as behind a narrow gap, the paths that found least of it also show the least spread.
-    Their own standard errors would take that for a fault of the intervals: the root mean square over the group of the
-    errors relative to `value`, which those paths had no part in, bounds them from below.
+    Their own standard errors would take that for a fault of the intervals: the root mean square of the errors relative
+    to `value`, which those paths had no part in, over the nine readings next in brightness, bounds them from below.
 
     Parameters
     ----------
     standard_error, value : (n,) float64
-    group : (n,) int64
-        Of each reading: its sensor.
     """
-    relative = np.divide(standard_error, value, out=np.zeros_like(value), where=value > 0.0)
-    noise = standard_error.copy()
-    for members in (group == name for name in np.unique(group)):
-        usual = math.sqrt(float(np.mean(relative[members] ** 2)))
-        noise[members] = np.maximum(standard_error[members], usual * value[members])
+    order = np.argsort(value, kind="stable")
+    relative = np.divide(standard_error, value, out=np.zeros_like(value), where=value > 0.0)[order]
+    window = min(_ALIKE, len(value))
+    means = np.convolve(relative**2, np.full(window, 1.0 / window), mode="valid")
+    nearest = np.clip(np.arange(len(value)) - window // 2, 0, len(means) - 1)
+    usual = np.empty_like(value)
+    usual[order] = np.sqrt(means[nearest])
+    noise: NDArray[np.float64] = np.maximum(standard_error, usual * value)
     return noise
 
 
