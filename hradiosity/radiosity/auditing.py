@@ -21,7 +21,7 @@ from hradiosity.solution import Solution
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.transport.device_scene import upload_scene
 
-RAYS_SHARE: Final = 0.22
+RAYS_SHARE: Final = 0.2
 """Rays that an audit may trace over what the run did, counted in rays. A ray of unbiased paths takes no longer than one
 of a run, so that this is less than a quarter of the run's CPU seconds; a limit in seconds would make results depend on
 the clock."""
@@ -97,10 +97,14 @@ def no_audit_because(solution: Solution) -> str | None:
 
 
 def most_rays(solution: Solution) -> int:
-    """Rays that an audit may trace; its first round is traced in any case."""
+    """Rays that an audit may trace; its first round is traced in any case.
+
+    Replicates that were given up for larger ones do not count, since a run that repeats the others lacks them.
+    """
     record = solution.record
+    rays = record["rays"] - max((given_up["rays"] for given_up in record["rounds_given_up"]), default=0)
     elements = ELEMENT_RAYS * record["elements"] * solution.replicates
-    return int(RAYS_SHARE * (record["rays"] + elements + HEMICUBE_RAYS * record["hemicubes"]["drawn"]))
+    return int(RAYS_SHARE * (rays + elements + HEMICUBE_RAYS * record["hemicubes"]["drawn"]))
 
 
 def _auditable(solution: Solution) -> NDArray[np.bool_]:

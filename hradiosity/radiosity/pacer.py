@@ -36,7 +36,7 @@ class Pacer:
 
     asked : as the user asked
     size : replicates of what size go on
-    rounds : those that were given up for larger ones: replicates, seconds, largest error
+    rounds : those that were given up for larger ones: replicates, seconds, largest error, rays of all until then
     """
 
     asked: Options
@@ -117,10 +117,11 @@ class Pacer:
             return following
         return self._filling(elapsed)
 
-    def begin(self, following: Round, found: Accuracies | None, done: int, elapsed: float) -> None:
+    def begin(self, following: Round, found: Accuracies | None, done: int, elapsed: float, rays: int) -> None:
         """Give the replicates so far up for a larger round."""
         error = float("inf") if found is None else float(found.total.max(initial=0.0))
-        self.rounds.append({"replicates": done, "seconds": elapsed - self._round_start, "error": error})
+        seconds = elapsed - self._round_start
+        self.rounds.append({"replicates": done, "seconds": seconds, "error": error, "rays": rays})
         self.size = following
         self._round_start = elapsed
         self._ends = []

@@ -133,7 +133,7 @@ class RadiositySolver:
             yield self._state("replicate")
             larger = self._pacer.larger(self._found(), self.replicates, self._samples(), self._elapsed())
             if larger is not None:
-                self._pacer.begin(larger, self._found(), self.replicates, self._elapsed())
+                self._pacer.begin(larger, self._found(), self.replicates, self._elapsed(), self.record.rays)
                 self._begin(larger)
                 self._pacer.prepared(self._elapsed())
                 yield self._state("larger replicates")
