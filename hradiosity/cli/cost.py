@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -78,7 +79,7 @@ def cost(
         try:
             with termination_interrupts(), display:
                 kept = load_samples(folder / REFEREE_FILE, scene_digest(loaded), SEED, 1)
-                bench = SceneBench(loaded, opened, kept)
+                bench = SceneBench(replace(loaded, variants=()), opened, kept)
                 report, learnt = _measure(bench, scene, budget, display)
                 save_samples(partial / REFEREE_FILE, scene_digest(loaded), SEED, bench.reference.samples())
                 _finish(report, folder, partial, display)
@@ -102,7 +103,9 @@ def _measure(bench: SceneBench, path: Path, budget: float, display: Display) -> 
     from hradiosity.suites.cost.settings import bands_like
 
     usual = bench.scene.bands
-    run = CostRun(bench, budget, lambda count: load_scene(path, bands=bands_like(usual, count)))
+    run = CostRun(
+        bench, budget, lambda count: replace(load_scene(path, bands=bands_like(usual, count)), variants=())
+    )
     complete = True
     try:
         for event in run.events():

@@ -11,6 +11,7 @@ from typing import Any
 
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.auditing import audit_lines, missed_accuracy_lines, run_audit
+from hradiosity.cli.comparing import DIFFERENCES_TITLE, variant_lines
 from hradiosity.cli.display import Display, open_display
 from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
@@ -24,6 +25,7 @@ from hradiosity.io.checkpoint import CHECKPOINT_FILE, load_checkpoint, run_diges
 from hradiosity.io.output_folder import close_partial, open_partial, partial_of, publish
 from hradiosity.io.output_lock import locked
 from hradiosity.io.results import write_results, write_run
+from hradiosity.io.results_variants import variants_record
 from hradiosity.io.run_record import plan_record, sensor_record
 from hradiosity.io.scene_toml import load_scene
 from hradiosity.model.scene import Scene
@@ -214,6 +216,8 @@ class _Session:
             self.seconds["writing"] = time.perf_counter() - start - self.seconds.get("pictures", 0.0)
             state, code = self._outcome(solution, interrupted)
             seconds = self._stage_seconds(solution)
+            if solution.variants:
+                self._more["variants"] = variants_record(solution)
             write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command(), **self._more})
             publish(self.out)
         self._keep_partial = False
@@ -280,6 +284,8 @@ class _Session:
             title = "Illuminance with 95 % intervals; accuracy is that of the worst reading"
             told = [*parts_lines(solution.readings), *audit_lines(solution.record)]
             display.lines([*sensor_lines(solution.readings), *told], title=title)
+        if solution.variants:
+            display.lines(variant_lines(solution), title=DIFFERENCES_TITLE)
         for title, lines in self._closing:
             display.lines(lines, title=title)
         display.lines(time_lines(seconds), title="Where the time went")

@@ -13,6 +13,7 @@ from hradiosity.io.checkpoint import CHECKPOINT_FILE, MESH_FILE
 from hradiosity.io.output_folder import RUN_FILE, reason, write_file
 from hradiosity.io.results_mesh import mesh_file
 from hradiosity.io.results_tables import readings_table, spectra_table
+from hradiosity.io.results_variants import write_variants
 from hradiosity.io.run_record import run_record, to_json
 from hradiosity.solution import Solution
 
@@ -20,7 +21,7 @@ from hradiosity.solution import Solution
 def write_results(
     folder: Path, solution: Solution, checkpoint: Mapping[str, NDArray[Any]], digest: str, *, parts: bool = False
 ) -> None:
-    """Write tables and mesh into a folder that exists; ``run.json`` comes last, by `write_run`.
+    """Write tables, of variants too, and mesh into a folder that exists; ``run.json`` comes last, by `write_run`.
 
     Parameters
     ----------
@@ -36,6 +37,7 @@ def write_results(
     bands = solution.scene.bands
     write_file(folder / "spectra.csv", spectra_table(solution.readings, bands))
     write_file(folder / "spectra_half_width.csv", spectra_table(solution.readings, bands, half_width=True))
+    write_variants(folder, solution, parts=parts)
     write_file(folder / MESH_FILE, mesh_file(solution, checkpoint, digest))
 
 

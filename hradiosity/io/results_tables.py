@@ -39,7 +39,7 @@ def readings_table(readings: Mapping[str, Readings], *, parts: bool = False) -> 
         *(f"illuminance_half_width_{part}_lx" for part in named),
         *(column for name in derived for column in (name, half_width_column(name))),
     )
-    return _table(columns, ((name, _reading_rows(found, named)) for name, found in readings.items()))
+    return csv_table(columns, ((name, _reading_rows(found, named)) for name, found in readings.items()))
 
 
 def half_width_column(name: str) -> str:
@@ -68,7 +68,7 @@ def spectra_table(readings: Mapping[str, Readings], bands: Bands, *, half_width:
     The header of a band is its centre [nm].
     """
     columns = ("sensor", "index", *(f"{centre:.10g}" for centre in bands.centre))
-    return _table(
+    return csv_table(
         columns,
         (
             (name, (found.half_width if half_width else found.irradiance) / bands.width)
@@ -77,7 +77,7 @@ def spectra_table(readings: Mapping[str, Readings], bands: Bands, *, half_width:
     )
 
 
-def _table(columns: Sequence[str], parts: Iterable[tuple[str, NDArray[np.float64]]]) -> bytes:
+def csv_table(columns: Sequence[str], parts: Iterable[tuple[str, NDArray[np.float64]]]) -> bytes:
     """CSV text, UTF-8: name of the sensor, index in it, numbers, blank for NaN; adding 0 turns −0 into 0."""
     text = io.StringIO(newline="")
     writer = csv.writer(text, lineterminator="\n")

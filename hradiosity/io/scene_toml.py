@@ -17,6 +17,7 @@ from hradiosity.io.scene.schema import BandsTable, EdgeBands, RangeBands, SceneF
 from hradiosity.io.scene.schema_base import Table
 from hradiosity.io.scene.sensors import read_sensors, read_views
 from hradiosity.io.scene.validate import parse_toml, validate
+from hradiosity.io.scene.variants import read_variants
 from hradiosity.model.scene import Scene
 from hradiosity.model.spectrum import Bands
 
@@ -78,7 +79,7 @@ def _build(tables: SceneFile, raw: Mapping[str, Any], frame: Frame, bands: Bands
     is_whole = all(_is_whole(raw.get(kind, []), getattr(tables, kind)) for kind in kinds)
     geometry_failed = len(report.faults) > before or not is_whole
     luminaires, emitters = read_lamps(tables.luminaires, tables.point_source, surfaces, names, frame, bands, report)
-    return Scene(
+    scene = Scene(
         tables.scene.title or report.path.resolve().parent.name,
         report.path,
         bands,
@@ -91,6 +92,7 @@ def _build(tables: SceneFile, raw: Mapping[str, Any], frame: Frame, bands: Bands
         surfaces.objects,
         read_sky(tables.sky, bands, report),
     )
+    return replace(scene, variants=read_variants(tables, scene, names, report))
 
 
 def _is_whole(written: object, checked: Sequence[Table]) -> bool:

@@ -217,7 +217,7 @@ class SceneCopy:
                 write_file(folder / name, obj_text(parts, "metres, z up").encode())
                 tables["mesh"].append(_pruned(mesh.table, parts) | {"file": name, "unit": "m", "up": "z"})
         taken: dict[Path, str] = {}
-        for kind in ("materials", "luminaires", "sky"):
+        for kind in ("materials", "luminaires", "sky", "variant"):
             for table in _with_files(tables.get(kind, {})):
                 source = (self._source / table["file"]).resolve()
                 table["file"] = taken.setdefault(source, f"spectrum-{len(taken) + 1}-{source.name}")
@@ -267,4 +267,7 @@ def _with_files(table: Any) -> Iterator[dict[str, Any]]:
         if isinstance(table.get("file"), str):
             yield table
         for value in table.values():
+            yield from _with_files(value)
+    elif isinstance(table, list):
+        for value in table:
             yield from _with_files(value)

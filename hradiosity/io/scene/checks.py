@@ -5,10 +5,12 @@ from typing import Final
 import numpy as np
 
 from hradiosity.io.scene.frame import Frame
+from hradiosity.io.scene.lines import Location
 from hradiosity.io.scene.report import Report
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.scene import Scene
 from hradiosity.model.solids import find_solids
+from hradiosity.model.variants import with_variant
 
 _LARGE: Final = {"m": 1000.0, "ft": 3000.0, "in": 40000.0, "cm": 100000.0}
 """Extent of a scene, in its unit, above which a smaller unit is likelier (1 km)."""
@@ -24,11 +26,13 @@ def check_scene(scene: Scene, frame: Frame, report: Report) -> None:
         return
     if len(scene.emitters) == 0 and scene.sky is None:
         report.fault((), "nothing gives light", "a `luminaire` on a surface, a [[point_source]] or a [sky]")
-    _check_singular(scene, report)
+    _check_singular(scene, ("materials",), report)
+    for number, variant in enumerate(scene.variants):
+        _check_singular(with_variant(scene, variant), ("variant", number), report)
     _check_extent(scene.patches, frame, report)
 
 
-def _check_singular(scene: Scene, report: Report) -> None:
+def _check_singular(scene: Scene, location: Location, report: Report) -> None:
     """A closed space that absorbs nothing has no finite answer."""
     used = np.unique(scene.patches.material)
     if not all(scene.materials[i].two_sided for i in used):
@@ -38,7 +42,7 @@ def _check_singular(scene: Scene, report: Report) -> None:
         return
     worst = float(scene.bands.centre[int(np.argmax(is_white))])
     report.fault(
-        ("materials",),
+        location,
         f"the surfaces enclose a space and all reflect everything at {worst:g} nm: light would grow without end",
         "a reflectance below 1 on some surface",
     )

@@ -12,6 +12,7 @@ from hradiosity.io.scene.names import Names
 from hradiosity.io.scene.report import Report
 from hradiosity.io.scene.schema_light import (
     MaterialTable,
+    Reflectance,
     ReflectanceColour,
     ReflectanceFile,
     ReflectanceLibrary,
@@ -46,20 +47,28 @@ def read_materials(
 
 
 def _material(name: str, table: MaterialTable, bands: Bands, report: Report) -> Material:
-    location: Location = ("materials", name, "reflectance")
-    form = table.reflectance
+    found = read_reflectance(table.reflectance, bands, ("materials", name, "reflectance"), report)
+    if found is None:
+        return Material(name, np.zeros(len(bands)))
+    return Material(name, found, table.sides == "both", is_measured(table.reflectance))
+
+
+def is_measured(form: Reflectance) -> bool:
+    """Whether a reflectance is more than a guess from a colour."""
+    return not isinstance(form, ReflectanceColour)
+
+
+def read_reflectance(form: Reflectance, bands: Bands, location: Location, report: Report) -> NDArray[np.float64] | None:
+    """(n_bands,) reflectance; None where it is faulty, which is reported."""
     if isinstance(form, float):
         reflectance = np.full(len(bands), form)
     elif isinstance(form, ReflectanceSteps):
         reflectance = _steps_mean(form.steps, bands, location, report)
     else:
         reflectance = _tabulated(form, bands, location, report)
-    measured = not isinstance(form, ReflectanceColour)
-    if not measured:
+    if not is_measured(form):
         report.warn(location, "guessed from a colour, not measured: spectra and colours of the light are guesses too")
-    if _is_plausible(reflectance, bands, location, report):
-        return Material(name, reflectance, table.sides == "both", measured)
-    return Material(name, np.zeros(len(bands)))
+    return reflectance if _is_plausible(reflectance, bands, location, report) else None
 
 
 def _tabulated(

@@ -16,6 +16,7 @@ from hradiosity.io.scene.schema_surfaces import (
     RectangleTable,
     UpAxis,
 )
+from hradiosity.io.scene.schema_variants import VariantTable
 
 
 class UniformBands(Table):
@@ -72,7 +73,7 @@ class HeaderTable(Table):
 
 
 class SceneFile(Table):
-    """A scene: materials, luminaires, surfaces, sensors and views."""
+    """A scene: materials, luminaires, surfaces, sensors, views and variants."""
 
     scene: HeaderTable = Field(description="what holds for the whole file")
     materials: dict[str, MaterialTable] = Field({}, description="paints by name")
@@ -85,6 +86,7 @@ class SceneFile(Table):
     sky: SkyTable | None = Field(None, description="light from outside")
     sensor: list[SensorTable] = Field([], description="where the light is read")
     view: list[ViewTable] = Field([], description="cameras")
+    variant: list[VariantTable] = Field([], description="the same scene in other paints and lamps")
 
 
 def scene_json_schema() -> dict[str, Any]:

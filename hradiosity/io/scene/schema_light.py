@@ -57,7 +57,8 @@ class ReflectanceColour(Table):
     )
 
 
-def _reflectance_tag(value: Any) -> str | None:
+def reflectance_tag(value: Any) -> str | None:
+    """Which of the forms of a reflectance a value has."""
     if isinstance(value, int | float) and not isinstance(value, bool):
         return "<number>"
     keys = {"file": "<file>", "library": "<library>", "steps": "<steps>", "rgb": "<rgb>"}
@@ -73,7 +74,7 @@ Reflectance = Annotated[
     | Annotated[ReflectanceSteps, Tag("<steps>")]
     | Annotated[ReflectanceColour, Tag("<rgb>")],
     Discriminator(
-        _reflectance_tag,
+        reflectance_tag,
         custom_error_type="reflectance_form",
         custom_error_message="a number 0 … 1, or one of { file = … }, { library = … }, { steps = … }, "
         "{ rgb = …, upsample = … } is needed",
@@ -132,7 +133,8 @@ class SpectrumConstant(Table):
     constant: Positive = Field(description="relative power per nm; W m⁻² nm⁻¹ (or W sr⁻¹ nm⁻¹) if absolute")
 
 
-def _light_tag(value: Any) -> str | None:
+def light_tag(value: Any) -> str | None:
+    """Which of the forms of a light's spectrum a value has."""
     keys = {
         "file": "<file>",
         "illuminant": "<illuminant>",
@@ -152,7 +154,7 @@ LightSpectrum = Annotated[
     | Annotated[SpectrumLines, Tag("<lines>")]
     | Annotated[SpectrumConstant, Tag("<constant>")],
     Discriminator(
-        _light_tag,
+        light_tag,
         custom_error_type="spectrum_form",
         custom_error_message="one of { illuminant = … }, { file = … }, { blackbody_K = … }, { lines = … }, "
         "{ constant = … } is needed",

@@ -1,0 +1,29 @@
+"""Variants of a scene in words."""
+
+from __future__ import annotations
+
+from hradiosity.cli.text import aligned, plus_minus
+from hradiosity.solution import Solution
+
+DIFFERENCES_TITLE = "Differences of the variants from the scene, with 95 % intervals of their own"
+
+
+def variant_lines(solution: Solution) -> list[str]:
+    """A table of mean illuminance and uniformity, a line a variant and sensor: what the variant adds."""
+    rows = [("variant", "sensor", "mean lx", "mean %", "uniformity")]
+    for name, variant in solution.variants.items():
+        for sensor, found in variant.differences.items():
+            numbers = found.numbers
+            mean, relative, even = (
+                numbers[key] for key in ("mean_illuminance", "relative_mean_illuminance", "uniformity")
+            )
+            rows.append(
+                (
+                    name,
+                    sensor,
+                    plus_minus(float(mean.value), float(mean.half_width)),
+                    plus_minus(100.0 * float(relative.value), 100.0 * float(relative.half_width)),
+                    plus_minus(float(even.value), float(even.half_width)),
+                )
+            )
+    return aligned(rows) if len(rows) > 1 else []
