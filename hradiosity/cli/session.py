@@ -299,6 +299,7 @@ class _Session:
             "state": state,
             "out": str(self.out),
             "sensors": {name: sensor_record(found) for name, found in solution.readings.items()},
+            "audit": solution.record["audit"],
             **self._more,
         }
         display.data("result", result)

@@ -21,13 +21,13 @@ from hradiosity.solution import Solution
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.transport.device_scene import upload_scene
 
-RAYS_SHARE: Final = 0.2
+RAYS_SHARE: Final = 0.18
 """Rays that an audit may trace over what the run did, counted in rays. A ray of unbiased paths takes no longer than one
 of a run, so that this is less than a quarter of the run's CPU seconds; a limit in seconds would make results depend on
 the clock."""
 ELEMENT_RAYS: Final = 80
 """Rays that take about as long as all else that a replicate does for an element: pairing, closing, solving."""
-HEMICUBE_RAYS: Final = 8000
+HEMICUBE_RAYS: Final = 14_000
 """Rays that take about as long as drawing a hemicube and what it is drawn for, or less."""
 USUAL_READINGS: Final = 59
 """The least with which the factor is not the largest ratio but the third largest: one odd reading does not decide."""

@@ -84,6 +84,8 @@ def test_few_readings_are_not_audited(room, call, tmp_path):
     outcome = call("render", room, "-o", tmp_path / "out", *QUICK)
     assert outcome.code == 0
     assert "not audited: fewer than 19 readings with light" in outcome.out
+    result = json.loads(call("render", room, "-o", tmp_path / "out", "--json", *QUICK).out.splitlines()[-1])
+    assert result["audit"] == {"skipped": "fewer than 19 readings with light"}
 
 
 def test_interrupted_audit_keeps_the_results(grid, call, tmp_path, monkeypatch):
