@@ -103,9 +103,7 @@ def _measure(bench: SceneBench, path: Path, budget: float, display: Display) -> 
     from hradiosity.suites.cost.settings import bands_like
 
     usual = bench.scene.bands
-    run = CostRun(
-        bench, budget, lambda count: replace(load_scene(path, bands=bands_like(usual, count)), variants=())
-    )
+    run = CostRun(bench, budget, lambda count: replace(load_scene(path, bands=bands_like(usual, count)), variants=()))
     complete = True
     try:
         for event in run.events():

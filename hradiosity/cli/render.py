@@ -24,6 +24,7 @@ def render(
     audit: Annotated[bool, Parameter(negative="--no-audit", group=EFFORT)] = True,
     pictures: Annotated[bool, Parameter(negative="--no-pictures", group=OUTPUT)] = True,
     white: Annotated[White, Parameter(group=OUTPUT)] = White.as_measured,
+    sensitivity: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     interval_parts: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     full_metrics: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
     quiet: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False,
@@ -52,6 +53,8 @@ def render(
     white
         What pictures show as white: as-measured, the display's own white, so that warm light looks warm; or lamps,
         the mean light of the scene's lamps, as to an eye that has got used to it.
+    sensitivity
+        Write sensitivity.csv: what reflectances, lamps and the sky change, which intervals do not cover.
     interval_parts
         In readings.csv, tell what the intervals are made of: sampling, mesh, iteration, spectral, precision.
     full_metrics
@@ -76,6 +79,7 @@ def render(
             referee=referee,
             pictures=pictures,
             white=white.value,
+            sensitivity=sensitivity,
             interval_parts=interval_parts,
             quiet=quiet,
             json=json,

@@ -17,6 +17,7 @@ from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
 from hradiosity.cli.live_files import LiveFiles, draw_first_picture
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
+from hradiosity.cli.sensing import SENSITIVITY_TITLE, run_sensitivity, sensitivity_lines
 from hradiosity.cli.text import account_line, note_lines, parts_lines, sensor_lines, time_lines
 from hradiosity.device import Device
 from hradiosity.errors import DeviceError, OutputError
@@ -25,6 +26,7 @@ from hradiosity.io.checkpoint import CHECKPOINT_FILE, load_checkpoint, run_diges
 from hradiosity.io.output_folder import close_partial, open_partial, partial_of, publish
 from hradiosity.io.output_lock import locked
 from hradiosity.io.results import write_results, write_run
+from hradiosity.io.results_sensitivity import sensitivity_record, write_sensitivity
 from hradiosity.io.results_variants import variants_record
 from hradiosity.io.run_record import plan_record, sensor_record
 from hradiosity.io.scene_toml import load_scene
@@ -49,6 +51,7 @@ class Request:
     referee: int | None
     pictures: bool
     white: WhiteName
+    sensitivity: bool
     interval_parts: bool
     quiet: bool
     json: bool
@@ -122,6 +125,8 @@ class _Session:
             if interrupted and self._solver.replicates == 0:
                 raise KeyboardInterrupt
             solution, interrupted = self._audit(self._solver.solution(), interrupted)
+            if self.request.sensitivity and self.scene.sensors and not interrupted:
+                interrupted = self._sensitivity()
             if self.request.referee and self.scene.sensors and not interrupted:
                 interrupted = self._referee(solution, self.request.referee)
             return self._finish(solution, digest, interrupted)
@@ -176,6 +181,21 @@ class _Session:
         solution, interrupted = run_audit(self.scene, solution, self._device, self._display)
         self.seconds["audit"] = time.perf_counter() - start
         return solution, interrupted
+
+    def _sensitivity(self) -> bool:
+        """Find what reflectances and lamps change; returns whether that was interrupted."""
+        start = time.perf_counter()
+        found, reason, interrupted = run_sensitivity(self.scene, self.request.options, self._device, self._display)
+        self.seconds["sensitivities"] = time.perf_counter() - start
+        if found is None:
+            self._more["sensitivity"] = {"skipped": reason}
+            self._closing.append(("", [f"no sensitivities: {reason}"]))
+            return interrupted
+        with held_back():
+            write_sensitivity(self.partial, found)
+        self._more["sensitivity"] = sensitivity_record(found)
+        self._closing.append((SENSITIVITY_TITLE, sensitivity_lines(found)))
+        return False
 
     def _referee(self, solution: Solution, paths: int) -> bool:
         """Trace unbiased paths and compare; returns whether that was interrupted."""

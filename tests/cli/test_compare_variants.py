@@ -87,7 +87,7 @@ def test_run_record(compared):
     [
         ('name = "v"\nmaterials = { wal = 0.5 }', ("no material 'wal'", "did you mean 'wall'?")),
         ('name = "v"\nluminaires = { lmap = { factor = 0 } }', ("no luminaire 'lmap'", "did you mean 'lamp'?")),
-        ('name = "v"\nmaterials = { wall = { factor = 2 } }', ("variant[0].materials.wall", "a factor of 1.667 at most")),
+        ('name = "v"\nmaterials = { wall = { factor = 2 } }', ("materials.wall", "a factor of 1.667 at most")),
         ('name = "v"\nmaterials = { wall = 50 }', ("it looks like percent: write 0.5",)),
         ('name = "v"\nmaterials = { wall = "white" }', ("{ factor = … }",)),
         ('name = "v"\nluminaires = { lamp = 0.5 }', ("{ factor = … }", "{ illuminant = … }")),
