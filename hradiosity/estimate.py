@@ -11,8 +11,10 @@ from numpy.typing import NDArray
 
 SAMPLING: Final = "sampling"
 """The part that comes from the spread of the replicates; others do not grow with the level of the interval."""
-PARTS: Final = (SAMPLING, "mesh", "iteration", "spectral", "precision")
-"""All that half widths are made of, in the order in which they are shown."""
+MESH: Final = "mesh"
+"""What smaller elements would change, by the change from elements of twice the size."""
+EXCHANGE: Final = "exchange"
+"""What more rays from each element would change, by the change from half of them."""
 
 
 @dataclass(frozen=True)

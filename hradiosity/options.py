@@ -70,7 +70,7 @@ class Options:
 
     elements: int = 8000
     element_size: float | None = None
-    rays_per_element: int = 64
+    rays_per_element: int = 256
     light_points: int = 16
     light_samples: int = 2048
     gather_samples: int = 4096

@@ -76,7 +76,7 @@ class SpectralColumns:
     @property
     def summed(self) -> NDArray[np.float64]:
         """(n_columns, n_bands) what a unit of each column stands for in the scene and all its variants together."""
-        return np.sum([self.expansion, *self.variants], axis=0)
+        return np.asarray(np.sum([self.expansion, *self.variants], axis=0))
 
     def of_variant(self, number: int) -> SpectralColumns:
         """The same columns as they make up the bands of a variant."""

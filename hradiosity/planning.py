@@ -88,8 +88,12 @@ def _columns_of_class(
 
 def _light_samples(options: Options, n_emitters: int) -> int:
     """Shadow rays from a reading to each emitter in a replicate: many emitters average out, and share the rays."""
-    total = options.light_samples * min(1.0, SHARED_BY / max(n_emitters, 1))
-    return max(1, round(total / options.replicates))
+    return max(1, round(options.light_samples * shared_rays(n_emitters) / options.replicates))
+
+
+def shared_rays(n_emitters: int) -> float:
+    """Part of the shadow rays asked for that each emitter gets."""
+    return min(1.0, SHARED_BY / max(n_emitters, 1))
 
 
 def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:

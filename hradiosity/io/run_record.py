@@ -15,6 +15,7 @@ import numpy as np
 
 from hradiosity.io.output_folder import PROGRAM
 from hradiosity.plan import Plan
+from hradiosity.planning import shared_rays
 from hradiosity.solution import Readings, Solution, interval_shares
 
 _PACKAGES = ("hradiosity", "numpy", "scipy", "pyopencl", "h5py", "pocl-binary-distribution")
@@ -110,13 +111,20 @@ def _plain(value: Any) -> Any:
     return value
 
 
-def _repeat_with(solution: Solution) -> dict[str, Any]:
-    """Options that give the same bits again, whatever ended the run: samples of a replicate times replicates."""
+def _repeat_with(solution: Solution) -> dict[str, Any] | None:
+    """Options that give the same bits again, whatever ended the run: samples of a replicate times replicates.
+
+    Where samples were moved to unsure readings, only the same way there repeats them: the accuracy that was asked for,
+    and from where it set out; nothing does when the clock had a say in that too.
+    """
     plan, count, options = solution.plan, solution.replicates, solution.record["options"]
+    alike = {name: options[name] for name in ("lookup", "mode", "form_factors", "seed")}
     totals = ("rays_per_element", "light_points", "light_samples", "gather_samples")
-    return {
-        "replicates": count,
-        "element_size": plan.element_size,
-        **{name: getattr(plan, name) * count for name in totals},
-        **{name: options[name] for name in ("lookup", "mode", "form_factors", "seed")},
-    }
+    if solution.record["focused"]:
+        if options["time"] is not None:
+            return None
+        start = ("replicates", "elements" if options["element_size"] is None else "element_size", *totals)
+        return {"accuracy": options["accuracy"], **{name: options[name] for name in start}, **alike}
+    samples = {name: getattr(plan, name) * count for name in totals}
+    samples["light_samples"] = round(samples["light_samples"] / shared_rays(plan.n_emitters))
+    return {"replicates": count, "element_size": plan.element_size, **samples, **alike}

@@ -29,8 +29,6 @@ MESH_ORDER: Final = 1.5
 MARGIN: Final = 2.0
 """More samples in a new round than the spread of the last one calls for. The spread is itself an estimate from few
 replicates: among hundreds of equally sure readings the worst then shows about 1.7 times the spread of the rest."""
-COMMON: Final = 4.0
-"""Degrees of freedom that the median of all readings' variances counts beside a reading's own variance."""
 MOST_GROWTH: Final = 64.0
 """Of samples or elements, from one round to the next."""
 WORTH_A_ROUND: Final = 2.0
@@ -125,20 +123,13 @@ def next_round(found: Accuracies, accuracy: float, last: Round, done: int) -> Ro
     if needed is not None and needed <= most and (found.fixed <= FIXED_SHARE * accuracy).all():
         return None
     fixed = np.minimum(found.fixed, FINER_SHARE * accuracy)
-    variance = done / last.options.replicates * _steadied(found.sampling**2, done - 1)
+    variance = done / last.options.replicates * found.sampling**2
     need = np.clip(MARGIN * variance / (accuracy**2 - fixed**2), 1.0, MOST_GROWTH)
     finer = float((found.mesh / (FINER_SHARE * accuracy)).max(initial=0.0)) ** (2.0 / MESH_ORDER)
     elements = min(max(float(np.median(need)) ** 0.5, finer, 1.0), MOST_GROWTH)
     rays = min(max(float(np.quantile(need, 0.9)) / elements, 1.0), MOST_GROWTH)
     focus = last.focus if len(last.focus) else np.ones(len(need))
     return Round(grown(last.options, elements=elements, rays=rays), focus * need)
-
-
-def _steadied(variance: NDArray[np.float64], degrees_of_freedom: int) -> NDArray[np.float64]:
-    """Variances of few replicates, drawn towards what is usual among the readings."""
-    own: float = degrees_of_freedom / (degrees_of_freedom + COMMON)
-    steadied: NDArray[np.float64] = own * variance + (1.0 - own) * np.median(variance)
-    return steadied
 
 
 def grown(options: Options, *, elements: float = 1.0, rays: float = 1.0, samples: float = 1.0) -> Options:

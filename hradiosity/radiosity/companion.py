@@ -1,4 +1,4 @@
-"""The same replicate on elements of twice the size, made of its own hits."""
+"""The same replicate on elements of twice the size, or with half of its rays: what settings still change."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from hradiosity.device import Device
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
 from hradiosity.solvers.operator import ExchangeOperator
-from hradiosity.transport.exchange import Exchange
+from hradiosity.transport.exchange import Exchange, RowHits
 
 
 class Companion:
@@ -110,3 +110,9 @@ class Companion:
             0
         ]
         return vectors
+
+
+def half_of(hits: RowHits) -> RowHits:
+    """The first half of each row's rays: Sobol points, and thus as even as all of them."""
+    half = hits.row.shape[1] // 2
+    return RowHits(hits.row[:, :half], hits.side[:, :half], hits.on_device)

@@ -37,6 +37,7 @@ class LinkedSurfaces(SurfaceSolver):
     Parameters as of `SurfaceSolver`.
     """
 
+    exchange_by_rays = False
     linked: LinkedNodes
 
     def count_links(self) -> LinkCount:

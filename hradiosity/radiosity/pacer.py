@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,6 +20,8 @@ from hradiosity.radiosity.budget import (
     scaled,
 )
 
+TOLERANCE_SHARE = 0.1
+"""Of a wanted accuracy, what the solver's iteration may leave."""
 AUDIT_SHARE = 0.2
 """Of the time, what the audit after the run takes."""
 TIMED_REPLICATES = 2
@@ -50,8 +52,11 @@ class Pacer:
 
     @classmethod
     def of(cls, options: Options) -> Pacer:
-        """At the start of a run."""
-        return cls(options, Round(options))
+        """At the start of a run; a wanted accuracy lets the solver go on for longer."""
+        if options.accuracy is None:
+            return cls(options, Round(options))
+        tolerance = min(options.tolerance, TOLERANCE_SHARE * options.accuracy)
+        return cls(options, Round(replace(options, tolerance=tolerance)))
 
     @property
     def limit(self) -> float | None:

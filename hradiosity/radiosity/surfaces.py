@@ -12,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
+from hradiosity.estimate import EXCHANGE, MESH
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Note, Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import sight_shares, sized, with_sight
 from hradiosity.planning_memory import check_fits
-from hradiosity.radiosity.companion import Companion
+from hradiosity.radiosity.companion import Companion, half_of
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
 from hradiosity.readings.interval import RunningMean, part_of
 from hradiosity.readings.sensors import SurfaceLight, emitter_choice
@@ -51,9 +52,8 @@ SINGLE_PRECISION = 1e-5
 MOST_CONTRAST = 8.0
 """Contrast of the received light from which on the solution is looked up there at a path's first hit already: where
 light comes through a gap, the noise of one more ray is worse than one value for a whole element."""
-COMPANION_EVERY = 2
-"""One replicate in so many is solved on elements of twice the size as well: that difference is far steadier than the
-readings themselves."""
+COMPANION_ROTA = (MESH, "", MESH, EXCHANGE)
+"""What the replicates' companions tell about, in turn; these changes are far steadier than the readings themselves."""
 LOST_SHARE = 1e-4
 """Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
 
@@ -103,6 +103,8 @@ class SurfaceSolver:
         Filled while running.
     """
 
+    exchange_by_rays = True
+    """Whether the exchange is made of the rays that each element sends out."""
     uses_shafts = True
     """Whether shafts are tried before shadow rays."""
 
@@ -192,11 +194,15 @@ class SurfaceSolver:
             self.record.defects.append(exchange.defects)
         direct = self._direct_columns(per_emitter, exchange)
         reflectance = self._reflectance[self.elements.row_material]
-        with_companion = self._exposed.count % COMPANION_EVERY == 0
+        companion = COMPANION_ROTA[self._exposed.count % len(COMPANION_ROTA)]
         with self.record.timed("solution"):
             irradiance = self._solve(exchange, reflectance, direct)
         with self.record.timed("companion"):
-            coarse = self._coarse(exchange, reflectance, direct, irradiance) if with_companion else None
+            coarse = None
+            if companion == MESH:
+                coarse = self._coarse(exchange, reflectance, direct, irradiance)
+            elif companion == EXCHANGE:
+                coarse = self._with_half_the_rays(hits, seed, reflectance, direct, irradiance)
         return SurfaceLight(
             columns=self.plan.columns,
             reflectance=self._reflectance_on_device,
@@ -209,7 +215,9 @@ class SurfaceSolver:
             emitter_choice=self.device.upload(emitter_choice(per_emitter, self.emission)),
             row_direct=self.device.upload(per_emitter),
             weight=self._weight_on_device,
-            coarse_change=None if coarse is None else self.device.upload(reflectance * (coarse - irradiance)),
+            row_space=self.space,
+            change=None if coarse is None else self.device.upload(reflectance * (coarse - irradiance)),
+            changed_by=companion,
         )
 
     def _lookup_size(
@@ -410,6 +418,30 @@ class SurfaceSolver:
             irradiance,
             self._deflation,
         )
+
+    def _with_half_the_rays(
+        self,
+        hits: RowHits,
+        seed: int,
+        reflectance: NDArray[np.float32],
+        direct: NDArray[np.float32],
+        irradiance: NDArray[np.float32],
+    ) -> NDArray[np.float32] | None:
+        """(n_rows, 8 n_groups) irradiance by half of the exchange rays; None where the exchange is not made of them.
+
+        Scaling rows of few rays until they close favours links that were hit by chance, an error of the order of one
+        over the number of rays that grows with the number of reflections and that replicates have in common.
+        """
+        if not self.exchange_by_rays:
+            return None
+        if not self.plan.gathers or not len(self.elements):
+            return irradiance
+        exchange = self._exchange(half_of(hits), seed)
+        operator = self._operator(exchange)
+        lit = direct + light_of_glow(operator, self._row_glow)
+        if self.plan.interreflection:
+            lit = self._solver.solve(operator, reflectance, lit, irradiance - lit, self._deflation)[0]
+        return np.where(exchange.element_area[:, None] > 0.0, lit, irradiance)
 
     def shared_errors(self) -> dict[str, float]:
         """By part of the intervals: share of itself that each band may be off by in all replicates alike."""

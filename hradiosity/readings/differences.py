@@ -13,7 +13,13 @@ from hradiosity.model.scene import Sensor
 from hradiosity.model.spectrum import Bands
 from hradiosity.plan import SpectralColumns
 from hradiosity.readings.interval import RunningMean, RunningMoments
-from hradiosity.readings.moments import MESH_WEIGHT, ReadingMoments, ReplicateNumbers, ReplicateReadings
+from hradiosity.readings.moments import (
+    COMPANIONS,
+    ReadingMoments,
+    ReplicateNumbers,
+    ReplicateReadings,
+    companion_parts,
+)
 from hradiosity.readings.numbers import OF_SENSORS, ReadingNumbers, is_power
 from hradiosity.readings.sensors import ReadingSamples
 from hradiosity.solution import Differences, VariantReadings
@@ -95,7 +101,8 @@ def replicate_readings(
         return ReplicateReadings(
             of.to_bands(samples.irradiance),
             samples.enclosed,
-            None if samples.coarse_change is None else of.to_bands(samples.coarse_change),
+            None if samples.change is None else of.to_bands(samples.change),
+            samples.changed_by,
             None if unseen is None else of.to_bands(unseen),
         )
 
@@ -120,7 +127,9 @@ class _DifferenceMoments:
         empty = numbers.of(np.zeros((n_readings, n_bands)))
         zeros = _changes(empty, empty)
         self._values = {name: RunningMoments(array.shape) for name, array in zeros.items()}
-        self._coarse = {name: RunningMean(array.shape) for name, array in zeros.items()}
+        self._companions = {
+            part: {name: RunningMean(array.shape) for name, array in zeros.items()} for part in COMPANIONS
+        }
         self._unlike = RunningMean((n_readings, n_bands))
 
     def add(self, own: ReplicateNumbers, other: ReplicateNumbers, unlike: NDArray[np.float64] | None) -> None:
@@ -130,7 +139,7 @@ class _DifferenceMoments:
             self._values[name].add(value)
         if own.coarse is not None and other.coarse is not None:
             for name, value in _changes(own.coarse, other.coarse).items():
-                self._coarse[name].add(value - fine[name])
+                self._companions[own.changed_by][name].add(value - fine[name])
         if unlike is not None:
             self._unlike.add(unlike)
 
@@ -138,7 +147,7 @@ class _DifferenceMoments:
         """Everything that a checkpoint holds, by name."""
         return {
             **{f"value/{name}": moments for name, moments in self._values.items()},
-            **{f"coarse/{name}": moments for name, moments in self._coarse.items()},
+            **{f"{part}/{name}": kept for part, means in self._companions.items() for name, kept in means.items()},
             "unlike": self._unlike,
         }
 
@@ -152,8 +161,7 @@ class _DifferenceMoments:
         out = {}
         for name, value in values.items():
             others = {part: effect[name] for part, effect in effects.items()}
-            if self._coarse[name].count:
-                others = {"mesh": MESH_WEIGHT * np.abs(self._coarse[name].mean)} | others
+            others = companion_parts({part: means[name] for part, means in self._companions.items()}) | others
             unseen = [found[name].others["unseen"] for found in (scene, variant) if "unseen" in _parts(found, name)]
             if unseen:
                 others["unseen"] = np.sum(unseen, axis=0)

@@ -71,6 +71,11 @@ class ReadingNumbers:
         sensors = np.array([_mean_and_uniformity(lux[part]) for part in self.parts.values()]).reshape(-1, 2)
         return {"illuminance": lux, "mean_illuminance": sensors[:, 0], "uniformity": sensors[:, 1]}
 
+    def shares_of_mean(self, lux: NDArray[np.float64], mean: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n,) illuminance of each reading over the mean (n_sensors,) of its sensor; 0 where there is no light."""
+        whole = np.repeat(mean, [part.stop - part.start for part in self.parts.values()])
+        return np.divide(lux, whole, out=np.zeros_like(lux), where=whole > 0.0)
+
     def effect_of(
         self, spectra: NDArray[np.float64], numbers: Mapping[str, NDArray[np.float64]], relative: float
     ) -> dict[str, NDArray[np.float64]]:

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device.device import DeviceArray
+from hradiosity.estimate import MESH
 from hradiosity.plan import SpectralColumns
-from hradiosity.space.hierarchy import COVERED, LONG, NONE, UNLIT
+from hradiosity.space.hierarchy import COVERED, LONG, NONE
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 
@@ -94,8 +95,10 @@ class SurfaceLight:
     emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
     row_direct : (n_rows, n_emitters) float32 on the device, direct light of each element for unit emission
     weight : (8 n_groups,) float32 on the device, brightness of a unit of each column
-    coarse_change : (n_rows, 8 n_groups) float32 on the device, what elements of twice the size would add to
-        `reflected`; None where that is not known
+    row_space : (n_rows,) int32, connected space that each element looks into
+    change : (n_rows, 8 n_groups) float32 on the device, what a companion with coarser settings would add to
+        `reflected`; None where there is none
+    changed_by : part of the intervals that the change tells about, "mesh" or "exchange"
     """
 
     columns: SpectralColumns
@@ -109,7 +112,9 @@ class SurfaceLight:
     emitter_choice: DeviceArray
     row_direct: DeviceArray
     weight: DeviceArray
-    coarse_change: DeviceArray | None = None
+    row_space: NDArray[np.int32]
+    change: DeviceArray | None = None
+    changed_by: str = MESH
 
 
 def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -> NDArray[np.float32]:
@@ -277,14 +282,16 @@ class ReadingSamples:
 
     irradiance : (n_points, n_columns) float64, in the units of each column
     enclosed : (n_points,) float64, share of paths that began inside a solid
-    coarse_change : (n_points, n_columns) float64, what elements of twice the size would add; None if not known
-    ended_on_rows : (n_points,) float64, share of paths that ended on a side that light may reach
+    change : (n_points, n_columns) float64, what a companion with coarser settings would add; None without one
+    changed_by : see `SurfaceLight`
+    some_row : (n_points,) int64, a row element that paths ended on; −1 where all ended elsewhere
     """
 
     irradiance: NDArray[np.float64]
     enclosed: NDArray[np.float64]
-    coarse_change: NDArray[np.float64] | None
-    ended_on_rows: NDArray[np.float64]
+    change: NDArray[np.float64] | None
+    changed_by: str
+    some_row: NDArray[np.int64]
 
 
 def read_points(
@@ -322,7 +329,7 @@ def read_points(
         part = np.flatnonzero(light_samples == count)
         direct = direct_at_points(scene, position[part], normal[part], int(count), seed + int(count))
         irradiance[part] = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
-    enclosed, ended_on_rows = np.zeros(n), np.zeros(n)
+    enclosed, some_row = np.zeros(n), np.full(n, -1)
     change = np.zeros((n, used))
     for part, count in _batches(gather_samples):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
@@ -330,10 +337,10 @@ def read_points(
         tables = None if guide is None else scene.device.upload(guide[part])
         gathered = _gather(scene, elements, light, points, count, batch_seed, rules, tables)
         irradiance[part] += gathered.irradiance[:, :used]
-        enclosed[part], ended_on_rows[part] = gathered.enclosed, gathered.ended_on_rows
-        if gathered.coarse_change is not None:
-            change[part] = gathered.coarse_change[:, :used]
-    return ReadingSamples(irradiance, enclosed, None if light.coarse_change is None else change, ended_on_rows)
+        enclosed[part], some_row[part] = gathered.enclosed, gathered.some_row
+        if gathered.change is not None:
+            change[part] = gathered.change[:, :used]
+    return ReadingSamples(irradiance, enclosed, None if light.change is None else change, light.changed_by, some_row)
 
 
 def _gather(
@@ -350,20 +357,27 @@ def _gather(
     paths = trace_paths(scene, elements, light, points, count, seed, rules, guide=guide)
     traced = [paths]
     row = scene.device.fetch(paths.row).reshape(points.n, count)
+    some_row = _row_or_none(row).max(axis=1)
     long = np.flatnonzero(row == LONG)
     if len(long):
-        traced.append(
-            trace_paths(scene, elements, light, points, count, seed, rules, guide=guide, only=long, last_chance=True)
-        )
-    change = light.coarse_change
+        more = trace_paths(scene, elements, light, points, count, seed, rules, guide=guide, only=long, last_chance=True)
+        np.maximum.at(some_row, long // count, _row_or_none(scene.device.fetch(more.row)))
+        traced.append(more)
+    change = light.change
     return ReadingSamples(
         irradiance=np.sum([reflected_light(scene, some, light)[0] for some in traced], axis=0),
         enclosed=_enclosed(scene, paths, row),
-        coarse_change=None
+        change=None
         if change is None
         else np.sum([changed_light(scene, some, light, change) for some in traced], axis=0),
-        ended_on_rows=(row < UNLIT).mean(axis=1),
+        changed_by=light.changed_by,
+        some_row=some_row,
     )
+
+
+def _row_or_none(row: NDArray[np.uint32]) -> NDArray[np.int64]:
+    """Numbers of row elements; −1 for other outcomes."""
+    return np.where(row < LONG, row.astype(np.int64), -1)
 
 
 def _enclosed(scene: DeviceScene, paths: PathSamples, row: NDArray[np.uint32]) -> NDArray[np.float64]:

@@ -22,7 +22,7 @@ def brightest_unseen(
 ) -> NDArray[np.float64] | None:
     """Most that one ray of a dark reading could have brought, over the number of its rays.
 
-    A reading counts as dark where it has no light in any column, but some of its paths end where light may come. All
+    A reading counts as dark where it has no light in any column, but looks into a space where there is some. All
     others have a spread of their own, or are surely 0: they see nothing, or only sides that no light reaches. Where no
     paths are traced, shadow rays alone can't tell that, unless they go to a point.
 
@@ -38,18 +38,25 @@ def brightest_unseen(
     -------
     (n, n_columns) float64, or None where no reading is dark
     """
-    dark = np.flatnonzero(
-        (samples.irradiance == 0.0).all(axis=1) & ((samples.ended_on_rows > 0.0) | (gather_samples == 0))
-    )
-    if not len(dark):
+    lightless = (samples.irradiance == 0.0).all(axis=1)
+    if not (lightless & ((samples.some_row >= 0) | (gather_samples == 0))).any():
         return None
     used = light.columns.n_columns
-    reflected = scene.device.fetch(light.reflected)
-    has_rows = reflected.ndim == 2
-    brightest = reflected[:, :used].max(axis=0).astype(np.float64) if has_rows else np.zeros(used)
+    brightest = _brightest_seen(scene, light, samples.some_row)[:, :used]
+    dark = np.flatnonzero(lightless & (brightest.any(axis=1) | (gather_samples == 0)))
     clear = direct_at_points(scene.without_occlusion(), position[dark], normal[dark], 1, 0).astype(np.float64)
     has_area = scene.device.fetch(scene.emitters["emitter_extent"])[: scene.n_emitters, 0] > 0.0
     straight = np.einsum("xe,ec->xc", clear * has_area, light.emission[:, :used])
     unseen = np.zeros_like(samples.irradiance)
-    unseen[dark] = straight / light_samples[dark, None] + brightest / np.maximum(gather_samples[dark, None], 1)
+    unseen[dark] = straight / light_samples[dark, None] + brightest[dark] / np.maximum(gather_samples[dark, None], 1)
     return unseen
+
+
+def _brightest_seen(scene: DeviceScene, light: SurfaceLight, some_row: NDArray[np.int64]) -> NDArray[np.float64]:
+    """(n, n_columns) brightest exitance in each column among the elements of the space that a reading looks into."""
+    reflected = scene.device.fetch(light.reflected)
+    if reflected.ndim != 2 or not len(light.row_space):
+        return np.zeros((len(some_row), light.columns.n_columns))
+    brightest = np.zeros((int(light.row_space.max()) + 2, reflected.shape[1]))
+    np.maximum.at(brightest, light.row_space, reflected)
+    return brightest[np.where(some_row >= 0, light.row_space[some_row], -1)]

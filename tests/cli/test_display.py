@@ -44,6 +44,7 @@ def test_live_display_shows_stage_and_progress_and_leaves_lasting_lines_only():
         shown.state(state(2, 3.0, remaining=4.0))
         shown._live.refresh()
     written = text.getvalue()
-    for part in ("Plan", "occlusion computed", "building kernels", "exchange rays", "replicate 2 of 4", "2 million", "falling"):
+    parts = ("Plan", "occlusion computed", "building kernels", "exchange rays", "replicate 2 of 4", "2 million")
+    for part in (*parts, "falling"):
         assert part in written
     assert written.rstrip().endswith("\x1b[2K")  # the live part is taken away

@@ -70,7 +70,7 @@ def test_resume_of_a_killed_run(room, call, tmp_path, monkeypatch):
         patched.setattr(session, "publish", killed)
         patched.setattr(session, "write_results", killed)
         with pytest.raises(RuntimeError, match="killed"):
-            call("render", room, "-o", tmp_path / "out", "--replicates", 4, *QUICK)
+            call("render", room, "-o", tmp_path / "out", "--replicates", 8, *QUICK)
     assert not (tmp_path / "out").exists()
     assert (tmp_path / "out.partial" / "checkpoint.h5").exists()
     outcome = call("render", room, "-o", tmp_path / "out", "--resume", *QUICK)
@@ -86,12 +86,12 @@ def killed(*arguments, **keywords):
 def test_more_replicates_on_a_finished_result(room, call, tmp_path):
     """Twice the replicates with twice the samples are the same replicates and more."""
     double = [str(2 * int(word)) if word.isdigit() else word for word in QUICK]
-    assert call("render", room, "-o", tmp_path / "whole", "--quiet", "--replicates", 8, *double).code == 0
+    assert call("render", room, "-o", tmp_path / "whole", "--quiet", "--replicates", 16, *double).code == 0
     assert call("render", room, "-o", tmp_path / "out", "--quiet", *QUICK).code == 0
-    other = call("render", room, "-o", tmp_path / "out", "--resume", "--replicates", 8, *QUICK)
+    other = call("render", room, "-o", tmp_path / "out", "--resume", "--replicates", 16, *QUICK)
     assert other.code == 2
     assert "settings" in other.err
-    assert call("render", room, "-o", tmp_path / "out", "--resume", "--replicates", 8, *double).code == 0
+    assert call("render", room, "-o", tmp_path / "out", "--resume", "--replicates", 16, *double).code == 0
     assert_same_bits(tmp_path / "whole", tmp_path / "out")
 
 

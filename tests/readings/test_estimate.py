@@ -3,11 +3,18 @@
 import numpy as np
 import pytest
 
-from hradiosity.estimate import Estimate, student_quantile
+from hradiosity.estimate import EXCHANGE, MESH, Estimate, student_quantile
 from hradiosity.model.scene import Sensor
 from hradiosity.model.spectrum import Bands
 from hradiosity.readings.interval import RunningMean, RunningMoments
-from hradiosity.readings.moments import MESH_WEIGHT, ReadingMoments, ReplicateReadings
+from hradiosity.readings.moments import (
+    COMMON,
+    COMPANIONS,
+    ReadingMoments,
+    ReplicateReadings,
+    alike,
+    pooled,
+)
 
 BANDS = Bands.uniform(380.0, 780.0, 50.0)
 
@@ -77,9 +84,9 @@ def test_mesh_part_is_a_share_of_the_change_by_coarser_elements():
     n = 6
     change = np.full((n, len(BANDS)), 0.02)
     readings = filled([change, None] * 4).readings()["desk"]
-    np.testing.assert_allclose(readings.numbers["irradiance"].parts["mesh"], MESH_WEIGHT * 0.02, rtol=1e-12)
+    np.testing.assert_allclose(readings.numbers["irradiance"].parts["mesh"], COMPANIONS[MESH] * 0.02, rtol=1e-12)
     lux = readings.numbers["illuminance"]
-    np.testing.assert_allclose(lux.parts["mesh"] / lux.value, MESH_WEIGHT * 0.02, rtol=0.02)
+    np.testing.assert_allclose(lux.parts["mesh"] / lux.value, COMPANIONS[MESH] * 0.02, rtol=0.02)
     np.testing.assert_allclose(readings.numbers["chromaticity"].parts["mesh"], 0.0, atol=1e-3)
 
 
@@ -103,7 +110,43 @@ def test_readings_that_no_ray_found_lit_have_the_rule_of_three():
     for _ in range(8):
         unseen = np.zeros((n, len(BANDS)))
         unseen[0] = 2.0 / 100
-        moments.add(ReplicateReadings(np.zeros((n, len(BANDS))), np.zeros(n), None, unseen))
+        moments.add(ReplicateReadings(np.zeros((n, len(BANDS))), np.zeros(n), brightest_unseen=unseen))
     half = moments.readings()["desk"].half_width
     np.testing.assert_allclose(half[0], 3.0 / 800 * 2.0, rtol=1e-12)
     assert (half[1] == 0.0).all()
+
+
+def test_companions_tell_about_the_part_that_they_are_of():
+    moments = ReadingMoments((sensor(3),), BANDS)
+    spectra = np.ones((3, len(BANDS)))
+    for part, change in ((MESH, 0.02), (EXCHANGE, 0.03), (MESH, 0.02)):
+        moments.add(ReplicateReadings(spectra, np.zeros(3), np.full_like(spectra, change), part))
+    parts = moments.readings()["desk"].numbers["irradiance"].parts
+    np.testing.assert_allclose(parts[MESH], COMPANIONS[MESH] * 0.02, rtol=1e-12)
+    np.testing.assert_allclose(parts[EXCHANGE], COMPANIONS[EXCHANGE] * 0.03, rtol=1e-12)
+
+
+def test_errors_are_pooled_with_readings_that_are_about_as_bright():
+    """One lucky reading among unsure ones gets (7 · 0 + 4 · mean) / 11 of the variance; a bright one is left alone."""
+    value = np.array([10.0, 11.0, 12.0, 1000.0])
+    group = alike([slice(0, 4)], value)
+    assert len(set(group[:3])) == 1 and group[3] != group[0]
+    error = np.array([0.0, 1.1, 1.2, 1.0])
+    found = pooled(error, value, group, 7, relative=True)
+    usual = (0.0 + 0.1**2 + 0.1**2) / 3
+    assert found[0] / 10.0 == pytest.approx(np.sqrt(COMMON / (7 + COMMON) * usual))
+    assert found[1] / 11.0 == pytest.approx(np.sqrt((7 * 0.01 + COMMON * usual) / (7 + COMMON)))
+    assert found[3] == pytest.approx(1.0)
+
+
+def test_uniformity_varies_as_its_lowest_reading_does():
+    """The least of twenty in each replicate hardly varies; the share of one of them does, by 10 % of 1 a replicate."""
+    rng = np.random.default_rng(11)
+    widths = []
+    for _ in range(200):
+        moments = ReadingMoments((sensor(20),), BANDS)
+        for _ in range(8):
+            light = 1.0 + 0.1 * rng.normal(size=(20, 1))
+            moments.add(ReplicateReadings(np.repeat(light, len(BANDS), axis=1), np.zeros(20)))
+        widths.append(float(moments.readings()["desk"].numbers["uniformity"].standard_error))
+    assert np.sqrt(np.mean(np.square(widths))) == pytest.approx(0.1 / np.sqrt(8), rel=0.1)

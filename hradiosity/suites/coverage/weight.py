@@ -9,19 +9,18 @@ from functools import partial
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.estimate import Estimate
-from hradiosity.readings.moments import MESH_WEIGHT
+from hradiosity.estimate import MESH, Estimate
+from hradiosity.readings.moments import COMPANIONS
 from hradiosity.suites.coverage.figures import Figures, figures_of, over_scenes
 from hradiosity.suites.coverage.measure import SceneNumbers
 
 WEIGHTS = (0.0, 0.1, 0.2, 0.33, 0.5, 0.7, 1.0)
 KINDS = ("illuminance", "irradiance", "mean_illuminance", "uniformity", "chromaticity")
-MESH = "mesh"
 
 
 def width_with(weight: float, estimate: Estimate, level: float) -> NDArray[np.float64]:
     """Half width if the change by a coarser mesh counted with another weight."""
-    others = {**estimate.others, MESH: np.asarray(estimate.others[MESH]) * (weight / MESH_WEIGHT)}
+    others = {**estimate.others, MESH: np.asarray(estimate.others[MESH]) * (weight / COMPANIONS[MESH])}
     return replace(estimate, others=others).half_width_at(level)
 
 
