@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from hradiosity.options import Options
 from hradiosity.radiosity.budget import Round
-from hradiosity.radiosity.surfaces import Record
+from hradiosity.radiosity.record import Record
 from hradiosity.solvers.result import Convergence, Stage
 from hradiosity.transport.exchange import Defects
 

@@ -291,7 +291,7 @@ class ClassicSurfaces(SurfaceSolver):
     ) -> None:
         """Running means, and what the hemicubes lost."""
         padded = self.plan.columns.padded
-        self._keep(padded(irradiance), padded(direct), exposed)
+        self._means.add(padded(irradiance), padded(direct), exposed)
         lost = rows.lost[~np.isnan(rows.lost)]
         self.record.defects.append(
             Defects(

@@ -45,7 +45,7 @@ def in_photopic_bands(scene: Scene, count: int = PHOTOPIC_BANDS) -> Scene:
     def powers(spectrum: NDArray[np.float64]) -> NDArray[np.float64]:
         """Power in each new band that has the lumens which the old bands had."""
         inside = np.einsum("gb,b->g", member, luminous * spectrum)
-        return np.divide(inside, lumens, out=np.zeros_like(inside), where=lumens > 0.0)
+        return np.asarray(np.divide(inside, lumens, out=np.zeros_like(inside), where=lumens > 0.0))
 
     return replace(
         plain,

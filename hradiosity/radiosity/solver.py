@@ -5,7 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict, replace
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,35 +20,28 @@ from hradiosity.planning import make_plan
 from hradiosity.planning_memory import check_fits
 from hradiosity.radiosity.budget import Accuracies, Round
 from hradiosity.radiosity.checkpoint import pack_record, pack_round, unpack_record, unpack_round
+from hradiosity.radiosity.geometry import Geometry, find_geometry
 from hradiosity.radiosity.pacer import Pacer
+from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.state import State
-from hradiosity.radiosity.surfaces import Record, SurfaceSolver
+from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.readings.differences import VariantMoments, replicate_readings
 from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.interval import part_of
 from hradiosity.readings.moments import ReadingMoments
-from hradiosity.readings.sensors import PathRules, SurfaceLight, read_points
+from hradiosity.readings.path_tracing import PathRules
+from hradiosity.readings.sensors import read_points
+from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.readings.unseen import brightest_unseen
 from hradiosity.solution import Readings, Solution
-from hradiosity.space.bvh import Bvh
-from hradiosity.space.bvh_build import build_bvh
-from hradiosity.space.check import check_scene, raise_faults
-from hradiosity.space.contact_cuts import cut_at_contacts
-from hradiosity.space.lit_sides import LitSides, find_lit_sides
+from hradiosity.space.lit_sides import LitSides
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
 NEAR_FACTOR = 0.5
 """The solution is never looked up at a hit nearer than so many sizes of its element."""
 KEPT_BYTES = 256 * 2**20
 """Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
-
-
-class _Geometry(NamedTuple):
-    """What all rounds of a run share."""
-
-    bvh: Bvh
-    lit: LitSides
 
 
 class RadiositySolver:
@@ -78,7 +71,7 @@ class RadiositySolver:
         self.cpu_seconds = 0.0
         self._calibration = calibration
         self._pacer = Pacer.of(options)
-        self._geometry: _Geometry | None = None
+        self._geometry: Geometry | None = None
         self._start = time.perf_counter()
         self._earlier_seconds = 0.0
         check_variants(scene)
@@ -244,17 +237,12 @@ class RadiositySolver:
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
         return self._surfaces
 
-    def _find_geometry(self) -> _Geometry:
+    def _find_geometry(self) -> Geometry:
         """Ray structure and lit sides, found once; the scene is checked then."""
         if self._geometry is None:
-            cpu = self.device.work_cpu_seconds()
-            with self.record.timed("geometry"):
-                cut = cut_at_contacts(self.scene)
-                modelled, self.scene = self.scene, cut.scene
-                bvh = build_bvh(self.device, self.scene.patches)
-                self._geometry = _Geometry(bvh, find_lit_sides(self.scene, bvh, seed=self.options.seed))
-            cpu -= self._check(modelled, bvh, self._geometry.lit, cut.parent)
-            self.cpu_seconds += self.device.work_cpu_seconds() - cpu
+            self._geometry = find_geometry(self.device, self.scene, self.options.seed, self.record)
+            self.scene, self.notes = self._geometry.scene, self._geometry.notes
+            self.cpu_seconds += self._geometry.cpu_seconds
         return self._geometry
 
     def _make_moments(self) -> VariantMoments:
@@ -271,21 +259,6 @@ class RadiositySolver:
         self.record.defects.clear()
         self.record.convergence.clear()
         self._prepare()
-
-    def _check(self, modelled: Scene, bvh: Bvh, lit: LitSides, parent: NDArray[np.int64]) -> float:
-        """Look for what is doubtful about the scene; returns minus the CPU seconds, which are no part of solving.
-
-        The patches are looked at as they were before they were cut, with the light that reaches their pieces.
-        """
-        cpu = self.device.work_cpu_seconds()
-        with self.record.timed("check"):
-            if self.scene is not modelled:
-                bvh, lit = build_bvh(self.device, modelled.patches), lit.of_parents(parent)
-            has_surfaces = len(modelled.patches) > 0
-            findings = check_scene(modelled, bvh, lit, seed=self.options.seed) if has_surfaces else ()
-            raise_faults(findings, modelled)
-            self.notes = (*self.scene.notes, *(finding.as_note() for finding in findings))
-        return cpu - self.device.work_cpu_seconds()
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""

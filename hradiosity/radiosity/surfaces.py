@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass, field, replace
+from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -20,16 +18,17 @@ from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import sight_shares, sized, with_sight
 from hradiosity.planning_memory import check_fits
 from hradiosity.radiosity.companion import Companion, half_of
+from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
-from hradiosity.readings.interval import RunningMean, part_of
-from hradiosity.readings.sensors import SurfaceLight, emitter_choice
+from hradiosity.radiosity.row_means import RowMeans
+from hradiosity.readings.interval import part_of
+from hradiosity.readings.surface_light import SurfaceLight, emitter_choice
 from hradiosity.solution import Surfaces
 from hradiosity.solvers.choice import SolverChoice
 from hradiosity.solvers.deflation import DEFLATE_ABOVE, deflation_vectors
 from hradiosity.solvers.dense import DIRECT_SOLVERS, check_dense_size
 from hradiosity.solvers.error_growth import ErrorGrowth, error_growth
 from hradiosity.solvers.operator import ExchangeOperator
-from hradiosity.solvers.result import Convergence
 from hradiosity.solvers.southwell import shooting_weights
 from hradiosity.solvers.spectral_basis import SpectralBasis, choose_basis
 from hradiosity.space.bvh import Bvh
@@ -40,7 +39,7 @@ from hradiosity.space.shafts import UNKNOWN, EmitterShapes, point_sight, row_sig
 from hradiosity.transport.contrast import side_contrast
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
-from hradiosity.transport.exchange import ClosedRows, Defects, Exchange, RowHits, build_exchange, trace_rows
+from hradiosity.transport.exchange import ClosedRows, Exchange, RowHits, build_exchange, trace_rows
 from hradiosity.transport.glow import glow_of, sampled_scene
 
 RETRIES = 3
@@ -56,36 +55,6 @@ COMPANION_ROTA = (MESH, "", MESH, EXCHANGE)
 """What the replicates' companions tell about, in turn; these changes are far steadier than the readings themselves."""
 LOST_SHARE = 1e-4
 """Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
-
-
-@dataclass
-class Record:
-    """What happened, for ``run.json``.
-
-    seconds : wall seconds of each stage
-    rays : traced so far
-    hemicubes, hemicube_seconds : drawn in the replicates of the classic mode so far, and the wall seconds it took
-    stage : what is going on, or went on last
-    defects, convergence : one a replicate
-    """
-
-    seconds: dict[str, float] = field(default_factory=dict)
-    rays: int = 0
-    hemicubes: int = 0
-    hemicube_seconds: float = 0.0
-    stage: str = ""
-    defects: list[Defects] = field(default_factory=list)
-    convergence: list[Convergence] = field(default_factory=list)
-
-    @contextmanager
-    def timed(self, stage: str) -> Iterator[None]:
-        """Add the wall seconds of a block to a stage."""
-        start = time.perf_counter()
-        self.stage = stage
-        try:
-            yield
-        finally:
-            self.seconds[stage] = self.seconds.get(stage, 0.0) + time.perf_counter() - start
 
 
 class SurfaceSolver:
@@ -151,10 +120,7 @@ class SurfaceSolver:
         self.space: NDArray[np.int32] = lit.space.ravel()[self.elements.cell_side[first]]
         self._row_glow = self._exitance[self._glow.paint.ravel()[self.elements.cell_side[first]]]
         self._links = np.zeros((0, 2), np.int64)
-        shape = (n_rows, 8 * self.plan.columns.n_groups)
-        self._indirect = RunningMean(shape)
-        self._direct = RunningMean(shape)
-        self._exposed = RunningMean((n_rows,))
+        self._means = RowMeans(n_rows, 8 * self.plan.columns.n_groups)
         self._deflation: NDArray[np.float64] | None = None
         self._growth: ErrorGrowth | None = None
         self._solver = RowLight(self.plan, self.options, self._choice, self._choose_basis())
@@ -194,7 +160,7 @@ class SurfaceSolver:
             self.record.defects.append(exchange.defects)
         direct = self._direct_columns(per_emitter, exchange)
         reflectance = self._reflectance[self.elements.row_material]
-        companion = COMPANION_ROTA[self._exposed.count % len(COMPANION_ROTA)]
+        companion = COMPANION_ROTA[self._means.count % len(COMPANION_ROTA)]
         with self.record.timed("solution"):
             irradiance = self._solve(exchange, reflectance, direct)
         with self.record.timed("companion"):
@@ -264,12 +230,12 @@ class SurfaceSolver:
     def surfaces(self) -> Surfaces:
         """Mean over the replicates so far, each row's over those parts of it that its rays found exposed."""
         to_bands = self.plan.columns.to_bands
-        direct = self._exposed_mean(self._direct)
+        direct = self._means.direct
         return Surfaces(
-            irradiance=to_bands(self._exposed_mean(self._indirect) + direct),
+            irradiance=to_bands(self._means.indirect + direct),
             direct=to_bands(direct),
             space=self.space,
-            exposed=self._exposed.mean,
+            exposed=self._means.exposed,
         )
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
@@ -279,9 +245,7 @@ class SurfaceSolver:
             kept["deflation"] = self._deflation
         if self._growth is not None:
             kept["growth"] = np.array(self._growth)
-        for name, moments in self._moments().items():
-            kept |= {f"{name}/{key}": array for key, array in moments.checkpoint().items()}
-        return kept
+        return kept | {f"means/{name}": array for name, array in self._means.checkpoint().items()}
 
     def restore(self, kept: Mapping[str, NDArray[Any]]) -> None:
         """Go on from a checkpoint, bit for bit."""
@@ -289,11 +253,7 @@ class SurfaceSolver:
             self._cut_again(kept["links"])
         self._deflation = kept.get("deflation")
         self._growth = ErrorGrowth(*(float(value) for value in kept["growth"])) if "growth" in kept else None
-        for name, moments in self._moments().items():
-            moments.restore(part_of(kept, name))
-
-    def _moments(self) -> dict[str, RunningMean]:
-        return {"indirect": self._indirect, "direct": self._direct, "exposed": self._exposed}
+        self._means.restore(part_of(kept, "means"))
 
     def _trace(self, seed: int) -> RowHits:
         """Exchange rays; sides that only now turn out to be lit join, and the rays start again."""
@@ -365,7 +325,7 @@ class SurfaceSolver:
                     self._deflation = (
                         deflation_vectors(operator, self.space) if bright else np.zeros((len(self.elements), 0))
                     )
-                start = self._exposed_mean(self._indirect).astype(np.float32) - glow if self._indirect.count else None
+                start = self._means.indirect.astype(np.float32) - glow if self._means.count else None
                 lit = irradiance
                 irradiance, account = self._solver.solve(operator, reflectance, lit, start, self._deflation)
                 self.record.convergence.extend(account)
@@ -377,26 +337,8 @@ class SurfaceSolver:
             out=np.zeros_like(exchange.element_area),
             where=self.elements.area > 0.0,
         )
-        self._keep(irradiance, direct, exposed)
+        self._means.add(irradiance, direct, exposed)
         return irradiance
-
-    def _keep(
-        self, irradiance: NDArray[np.floating], direct: NDArray[np.floating], exposed: NDArray[np.floating]
-    ) -> None:
-        """Take a replicate into the running means; light counts by the exposed share (n_rows,) of its row.
-
-        A row that the rays of one replicate found wholly covered has no light there, which says nothing about the rest.
-        """
-        share = exposed[:, None]
-        self._indirect.add(share * (irradiance - direct))
-        self._direct.add(share * direct)
-        self._exposed.add(exposed)
-
-    def _exposed_mean(self, light: RunningMean) -> NDArray[np.float64]:
-        """(n_rows, 8 n_groups) Σ share · light / Σ share over the replicates; 0 where a row was never exposed."""
-        share = self._exposed.mean[:, None]
-        mean: NDArray[np.float64] = np.divide(light.mean, share, out=np.zeros_like(light.mean), where=share > 0.0)
-        return mean
 
     def _coarse(
         self,

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.readings.guide import guide_shares, guide_tables
-from hradiosity.readings.sensors import PathRules, SurfaceLight, reflected_light, trace_paths, upload_points
+from hradiosity.readings.path_tracing import PathRules, reflected_light, trace_paths, upload_points
+from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 

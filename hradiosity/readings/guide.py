@@ -11,7 +11,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.readings.sensors import Points, SurfaceLight
+from hradiosity.readings.path_tracing import Points
+from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.space.hierarchy import SKY, UNLIT
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 

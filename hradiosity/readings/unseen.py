@@ -5,7 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.readings.sensors import ReadingSamples, SurfaceLight
+from hradiosity.readings.sensors import ReadingSamples
+from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.transport.device_scene import DeviceScene
 from hradiosity.transport.direct import direct_at_points
 

@@ -13,10 +13,12 @@ from rooms import cube
 from hradiosity.model.scene import View
 from hradiosity.options import Options
 from hradiosity.planning import make_plan
-from hradiosity.radiosity.surfaces import Record, SurfaceSolver
+from hradiosity.radiosity.record import Record
+from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.readings.guide import guide_shares, guide_tables
+from hradiosity.readings.path_tracing import PathRules, upload_points
 from hradiosity.readings.paths import trace_referee
-from hradiosity.readings.sensors import PathRules, read_points, upload_points
+from hradiosity.readings.sensors import read_points
 from hradiosity.show.camera import trace_view
 from hradiosity.solvers.link_operator import LinkOperator
 from hradiosity.space.bvh_build import build_bvh

@@ -17,7 +17,7 @@ from hradiosity.errors import SceneError
 from hradiosity.options import Options
 from hradiosity.radiosity import RadiositySolver
 from hradiosity.radiosity.checkpoint import pack_record, unpack_record
-from hradiosity.radiosity.surfaces import Record
+from hradiosity.radiosity.record import Record
 from hradiosity.reference.form_factors import parallel_rectangles, perpendicular_rectangles
 from hradiosity.reference.radiosity import solve_dense
 from hradiosity.solvers import dense

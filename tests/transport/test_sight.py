@@ -5,8 +5,9 @@ from rooms import SceneBuilder
 
 from hradiosity.options import Options
 from hradiosity.planning import make_plan
+from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.solver import RadiositySolver
-from hradiosity.radiosity.surfaces import Record, SurfaceSolver
+from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.reference.point_factors import points_to_polygon
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.lit_sides import find_lit_sides

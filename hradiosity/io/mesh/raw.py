@@ -113,7 +113,8 @@ def _quad_warp(corner: NDArray[np.float64]) -> NDArray[np.float64]:
     normal = np.cross(corner[:, 2] - corner[:, 0], corner[:, 3] - corner[:, 1])
     height = np.abs(np.einsum("nkd,nd->nk", about, normal)).max(axis=1, initial=0.0)
     scale = np.linalg.norm(normal, axis=1) * np.linalg.norm(about, axis=2).max(axis=1, initial=0.0)
-    return np.divide(height, scale, out=np.zeros_like(height), where=scale > 0.0)
+    warp: NDArray[np.float64] = np.divide(height, scale, out=np.zeros_like(height), where=scale > 0.0)
+    return warp
 
 
 def _split_quads(vertices: NDArray[np.float64], quads: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -1,0 +1,77 @@
+"""The solution of a replicate as paths look it up."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.device.device import DeviceArray
+from hradiosity.estimate import MESH
+from hradiosity.plan import SpectralColumns
+
+UNIFORM_SHARE = 0.1
+"""Part of the probability with which an emitter is drawn at a hit that does not depend on the solution."""
+
+
+@dataclass(frozen=True)
+class SurfaceLight:
+    """The solution as paths look it up.
+
+    reflectance : (n_paints, 8 n_groups) float32 on the device, see `hradiosity.transport.glow.Glow`
+    glow : (n_paints, 8 n_groups) float32 on the device, exitance of paints that shine; None if none does
+    emission : (n_emitters, 8 n_groups) float32, exitance or intensity of each emitter; and the same on the device
+    reflected : (n_rows, 8 n_groups) float32 on the device, ρE of each row element, and its glow
+    row_size : (n_rows,) float32 on the device, edge of each element [m]; infinite for those that were found wholly
+        covered and thus have no light to look up, below 0 where it may be looked up at the first hit already
+    sky : (8 n_groups,) float32 on the device, π · radiance
+    emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
+    row_direct : (n_rows, n_emitters) float32 on the device, direct light of each element for unit emission
+    weight : (8 n_groups,) float32 on the device, brightness of a unit of each column
+    row_space : (n_rows,) int32, connected space that each element looks into
+    change : (n_rows, 8 n_groups) float32 on the device, what a companion with coarser settings would add to
+        `reflected`; None where there is none
+    changed_by : part of the intervals that the change tells about, "mesh" or "exchange"
+    """
+
+    columns: SpectralColumns
+    reflectance: DeviceArray
+    glow: DeviceArray | None
+    emission: NDArray[np.float32]
+    emission_on_device: DeviceArray
+    reflected: DeviceArray
+    row_size: DeviceArray
+    sky: DeviceArray
+    emitter_choice: DeviceArray
+    row_direct: DeviceArray
+    weight: DeviceArray
+    row_space: NDArray[np.int32]
+    change: DeviceArray | None = None
+    changed_by: str = MESH
+
+
+def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -> NDArray[np.float32]:
+    """Summed probabilities of drawing each emitter at a hit, in proportion to the light it sends to that element.
+
+    Parameters
+    ----------
+    direct : (n_rows, n_emitters) float32
+        Irradiance of each element for unit emission; estimates below 0 count as 0.
+    emission : (n_emitters, n_columns) float32
+
+    Returns
+    -------
+    (n_rows, n_emitters) float32
+        Ascending; a tenth of the probability is shared evenly, so that no emitter is ever left out, and the last
+        entry is above 1.
+    """
+    n = direct.shape[1]
+    if n == 0:
+        return np.zeros((len(direct), 0), np.float32)
+    light = np.maximum(direct, 0.0) * emission.mean(axis=1, dtype=np.float64)[None, :]
+    total = light.sum(axis=1, keepdims=True)
+    share = np.divide(light, total, out=np.full(light.shape, 1.0 / n), where=total > 0.0)
+    sums = np.cumsum((1.0 - UNIFORM_SHARE) * share + UNIFORM_SHARE / n, axis=1).astype(np.float32)
+    sums[:, -1] = 1.0
+    return sums
