@@ -1,42 +1,40 @@
 """Fit an office with one lamp, then with another of the same luminous flux, and see what changes for the eye.
 
-Both runs use the same seed, hence the same rays, so that their ratio is sharper than either of the two numbers.
+Both are solved together, with the same rays: what they have in common cancels in the differences, and their intervals
+are far narrower than those of the two numbers.
 
 Run it with ``python examples/03_compare_two_lamps.py``.
 """
 
-from dataclasses import replace
 from pathlib import Path
 
-import numpy as np
-
 import hradiosity
-from hradiosity.metrics.eye import RECEPTORS, alpha_opic_irradiance
-from hradiosity.model.scene import Scene
+from hradiosity.model.scene import Scene, Variant
+from hradiosity.model.variants import with_variant
+from hradiosity.solution import Readings
 
 SCENES = Path(__file__).resolve().parents[1] / "scenes"
 
 
-def lit_by(scene: Scene, name: str) -> Scene:
-    """The scene with the luminaire ``name`` in all its sockets."""
-    number = [luminaire.name for luminaire in scene.luminaires].index(name)
-    everywhere = np.full_like(scene.emitters.luminaire, number)
-    return replace(scene, emitters=replace(scene.emitters, luminaire=everywhere))
+def lit_by(scene: Scene, name: str) -> Variant:
+    """The scene with the light of the luminaire ``name`` in all its sockets."""
+    light = next(luminaire.exitance for luminaire in scene.luminaires if luminaire.name == name)
+    return hradiosity.make_variant(scene, name, luminaires={lamp.name: light for lamp in scene.luminaires})
 
 
-def mean_melanopic_and_lux(scene: Scene) -> tuple[float, float]:
-    """Mean melanopic irradiance [W m⁻²] and illuminance [lx] at the eyes."""
-    solution = hradiosity.solve(scene, hradiosity.Options(element_size=0.5, gather_samples=512, seed=3))
-    eyes = solution.readings["eyes"]
-    receptors = alpha_opic_irradiance(eyes.irradiance, scene.bands)
-    return float(receptors[:, RECEPTORS.index("melanopic")].mean()), eyes.mean_illuminance
+def melanopic_per_lux(eyes: Readings) -> float:
+    """Mean melanopic EDI over mean illuminance."""
+    return float(eyes.numbers["melanopic_edi_lx"].value.mean()) / eyes.mean_illuminance
 
 
 office = hradiosity.load_scene(SCENES / "office")
-ratios = {}
-for lamp in ("cool_led", "tube"):
-    melanopic, lux = mean_melanopic_and_lux(lit_by(office, lamp))
-    ratios[lamp] = melanopic / lux
-    print(f"{lamp}: {lux:.1f} lx, {1000 * ratios[lamp]:.3f} mW/lm melanopic at the eyes")
+cool = with_variant(office, lit_by(office, "cool_led"))
+options = hradiosity.Options(element_size=0.5, gather_samples=512, seed=3)
+solution = hradiosity.compare(cool, [lit_by(office, "tube")], options)
+tube = solution.variants["tube"]
+for name, unit in (("illuminance", "lx"), ("melanopic_edi_lx", "lx"), ("cct_k", "K")):
+    change = tube.differences["eyes"].numbers[name]
+    print(f"first eye, {name}: {change.value[0]:+.2f} ± {change.half_width[0]:.2f} {unit}")
 
-print(f"melanopic light per lux, tube over cool LED: {ratios['tube'] / ratios['cool_led']:.4f}")
+ratio = melanopic_per_lux(tube.readings["eyes"]) / melanopic_per_lux(solution.readings["eyes"])
+print(f"melanopic light per lux, tube over cool LED: {ratio:.4f}")

@@ -17,13 +17,14 @@ def blocks(language):
 
 
 def test_the_scene_can_be_loaded(tmp_path):
-    (text,) = blocks("toml")
+    text, variants = blocks("toml")
     (tmp_path / "spectra").mkdir()
     (tmp_path / "spectra" / "wall.csv").write_text("380,0.5\n780,0.7\n")
-    (tmp_path / "scene.toml").write_text(text)
+    (tmp_path / "scene.toml").write_text(text + variants)
     scene = load_scene(tmp_path)
     assert [len(sensor.position) for sensor in scene.sensors] == [35]
     assert len(scene.views) == 1
+    assert [variant.name for variant in scene.variants] == ["dark walls", "tubes"]
     lamp = scene.emitters.patch[0]
     assert scene.patches.normal[lamp][2] == pytest.approx(-1.0)
 
