@@ -4,11 +4,11 @@ import math
 
 import pytest
 
+from hradiosity.estimate import student_quantile
 from hradiosity.io import learnt
 from hradiosity.io.cache import CACHE_VARIABLE
 from hradiosity.io.learnt import Learnt, accuracy_line, load_learnt, store_learnt
 from hradiosity.options import Options
-from hradiosity.estimate import student_quantile
 
 KNOWN = Learnt(spread=0.02, first_seconds=0.5, replicate_seconds=2.0, error=0.01, sampling=0.008)
 
