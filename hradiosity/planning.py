@@ -327,7 +327,8 @@ def _bands(scene: Scene, columns: SpectralColumns) -> Effect:
     if columns.n_columns < n:
         reason = f"{n} bands follow exactly from {columns.n_columns} right-hand sides in {columns.n_classes} classes"
         return Effect("bands singly", False, reason)
-    return Effect("bands singly", True, f"all {n} bands differ in reflectance or light")
+    of_variants = f", those of {len(scene.variants)} variants too," if scene.variants else ""
+    return Effect("bands singly", True, f"all {n} bands{of_variants} differ in reflectance or light")
 
 
 def _shadow_refinement(scene: Scene, options: Options) -> Effect:

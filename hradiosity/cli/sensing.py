@@ -11,6 +11,8 @@ from hradiosity.options import Options
 from hradiosity.radiosity.sensitivity import Sensitivities, SensitivityRun
 
 SENSITIVITY_TITLE = "What reflectances and lamps that are off by 2 % change, which intervals do not cover"
+NOT_COVERED = "reflectances, spectra and geometry as the scene states them, and surfaces taken as matt"
+"""What intervals take for exact."""
 TOLD = 3
 """Reflectances, and lamps, that are told of each sensor; the file has all."""
 OFF_BY = 0.02

@@ -17,7 +17,7 @@ from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back, let_through, termination_interrupts
 from hradiosity.cli.live_files import LiveFiles, draw_first_picture
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
-from hradiosity.cli.sensing import SENSITIVITY_TITLE, run_sensitivity, sensitivity_lines
+from hradiosity.cli.sensing import NOT_COVERED, SENSITIVITY_TITLE, run_sensitivity, sensitivity_lines
 from hradiosity.cli.text import account_line, note_lines, parts_lines, sensor_lines, time_lines
 from hradiosity.device import Device
 from hradiosity.errors import DeviceError, OutputError
@@ -238,6 +238,7 @@ class _Session:
             seconds = self._stage_seconds(solution)
             if solution.variants:
                 self._more["variants"] = variants_record(solution)
+            self._more["intervals_do_not_cover"] = NOT_COVERED
             write_run(self.partial, solution, state, {"stage_seconds": seconds, "command": _command(), **self._more})
             publish(self.out)
         self._keep_partial = False
@@ -303,6 +304,7 @@ class _Session:
         if solution.readings:
             title = "Illuminance with 95 % intervals; accuracy is that of the worst reading"
             told = [*parts_lines(solution.readings), *audit_lines(solution.record)]
+            told.append(f"intervals do not cover {NOT_COVERED}; --sensitivity tells what wrong ones would change")
             display.lines([*sensor_lines(solution.readings), *told], title=title)
         if solution.variants:
             display.lines(variant_lines(solution), title=DIFFERENCES_TITLE)
