@@ -78,6 +78,7 @@ class RadiositySolver:
         self._readings = self._make_moments()
         self._surfaces: SurfaceSolver | None = None
         self._effort: Effort | None = None
+        self._accuracies: tuple[int, Accuracies] | None = None
         self.notes: tuple[Note, ...] = scene.notes
         self._kept: list[tuple[DeviceElements, SurfaceLight, int]] = []
 
@@ -214,6 +215,7 @@ class RadiositySolver:
         effort = part_of(kept, "effort")
         self._effort = Effort(**effort) if effort else None
         self._readings.restore(part_of(kept, "readings"))
+        self._accuracies = None
         self._prepare().restore(part_of(kept, "surfaces"))
         record, numbers = unpack_record(kept["record"])
         self.record.__dict__.update(record.__dict__)
@@ -254,7 +256,7 @@ class RadiositySolver:
         """Start anew with replicates of another size."""
         self._pacer.size = size
         self._readings = self._make_moments()
-        self._surfaces, self._effort = None, None
+        self._surfaces, self._effort, self._accuracies = None, None, None
         self._kept = []
         self.record.defects.clear()
         self.record.convergence.clear()
@@ -326,8 +328,11 @@ class RadiositySolver:
         """How accurate all readings are; None before two replicates."""
         if self.replicates < 2:
             return None
-        shared = self._prepare().shared_errors()
-        return Accuracies.of(self._readings.readings(shared, illuminance_only=True))
+        if self._accuracies is None or self._accuracies[0] != self.replicates:
+            shared = self._prepare().shared_errors()
+            found = Accuracies.of(self._readings.readings(shared, illuminance_only=True))
+            self._accuracies = self.replicates, found
+        return self._accuracies[1]
 
     def _samples(self) -> NDArray[np.int64]:
         """(n,) paths of each reading in a replicate."""
@@ -337,15 +342,12 @@ class RadiositySolver:
         """Readings with their intervals as of now."""
         return self._readings.readings(self._prepare().shared_errors())
 
-    def _errors(self) -> NDArray[np.float64]:
-        """(n,) accuracy of every reading, see `Readings.accuracy`; empty before two replicates."""
-        return self._readings.errors(self._prepare().shared_errors())
-
     def _elapsed(self) -> float:
         return time.perf_counter() - self._start
 
     def _state(self, stage: str) -> State:
-        errors = self._errors()
+        found = self._found()
+        errors = np.zeros(0) if found is None else found.total
         history = self.record.convergence[-1].residual if self.record.convergence else (1.0,)
         return State(
             stage=stage,
@@ -357,7 +359,7 @@ class RadiositySolver:
             elements=0 if self._surfaces is None else len(self._surfaces.elements),
             rays=self.record.rays,
             unshot=history[-1],
-            remaining=self._pacer.remaining(self._found(), self.replicates, self._samples(), self._elapsed()),
+            remaining=self._pacer.remaining(found, self.replicates, self._samples(), self._elapsed()),
         )
 
     def _interval_parts(self) -> list[str]:

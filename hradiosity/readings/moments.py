@@ -178,7 +178,9 @@ class ReadingMoments:
         """(n,) accuracy of every reading, see `Readings.accuracy`; empty before two replicates."""
         if self.count < 2:
             return np.zeros(0)
-        return np.concatenate([np.zeros(0), *(r.accuracy for r in self.readings(relative).values())])
+        return np.concatenate(
+            [np.zeros(0), *(r.accuracy for r in self.readings(relative, illuminance_only=True).values())]
+        )
 
     def checkpoint(self) -> dict[str, NDArray[np.float64]]:
         """Everything that `restore` needs."""
