@@ -78,6 +78,11 @@ class SpectralColumns:
         """(n_columns, n_bands) what a unit of each column stands for in the scene and all its variants together."""
         return np.asarray(np.sum([self.expansion, *self.variants], axis=0))
 
+    @property
+    def members(self) -> list[NDArray[np.bool_]]:
+        """(n_columns,) which columns the scene is made of, then the same of each variant."""
+        return [expansion.any(axis=1) for expansion in (self.expansion, *self.variants)]
+
     def of_variant(self, number: int) -> SpectralColumns:
         """The same columns as they make up the bands of a variant."""
         return replace(self, expansion=self.variants[number], variants=())

@@ -23,7 +23,7 @@ def brightest_unseen(
 ) -> NDArray[np.float64] | None:
     """Most that one ray of a dark reading could have brought, over the number of its rays.
 
-    A reading counts as dark where it has no light in any column, but looks into a space where there is some. All
+    A reading counts as dark where it has no light in any column of the scene or of a variant, but looks into a space where there is some. All
     others have a spread of their own, or are surely 0: they see nothing, or only sides that no light reaches. Where no
     paths are traced, shadow rays alone can't tell that, unless they go to a point.
 
@@ -39,7 +39,8 @@ def brightest_unseen(
     -------
     (n, n_columns) float64, or None where no reading is dark
     """
-    lightless = (samples.irradiance == 0.0).all(axis=1)
+    own = light.columns.members
+    lightless = np.any([(samples.irradiance[:, columns] == 0.0).all(axis=1) for columns in own], axis=0)
     if not (lightless & ((samples.some_row >= 0) | (gather_samples == 0))).any():
         return None
     used = light.columns.n_columns

@@ -9,7 +9,7 @@ from hradiosity import Factor, Options, SceneError, compare, make_variant, solve
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.variants import with_variant
 from hradiosity.planning import spectral_columns
-from tests.rooms import cube
+from tests.rooms import SceneBuilder, cube
 
 QUICK = Options(elements=300, rays_per_element=32, gather_samples=512, light_samples=256, replicates=4)
 
@@ -164,6 +164,27 @@ def test_a_lamp_that_only_a_variant_switches_on(device):
     noise = np.hypot(difference.illuminance_half_width, alone.illuminance_half_width)
     assert (np.abs(difference.illuminance - alone.illuminance) <= 2.0 * noise).all()
     assert np.isnan(difference.numbers["relative_illuminance"].value).all()
+
+
+def test_dark_variants_are_not_dark_for_certain(device):
+    """Below a plate with a small hole few shadow rays find the lamp above it; another lamp is in full view."""
+    b = SceneBuilder()
+    black = b.material(0.0)
+    b.box((0, 0, 0), (2, 2, 2), black, inward=True)
+    lamp = b.patch((0.75, 0.75, 1.9), (0, 0.5, 0), (0.5, 0, 0), black)
+    for x, y, width, depth in ((0, 0, 1.1, 2), (1.13, 0, 0.87, 2), (1.1, 0, 0.03, 1.05), (1.1, 1.08, 0.03, 0.92)):
+        b.patch((x, y, 1.0), (width, 0, 0), (0, depth, 0), black)
+    b.lamp([lamp], 10.0)
+    b.point((0.3, 0.3, 0.5), 1.0)
+    b.sensor((1.0, 1.0, 0.1), (0, 0, 1), "below")
+    scene = b.scene()
+    off = make_variant(scene, "off", luminaires={"l1": Factor(0.0)})
+    found = compare(scene, [off], replace(QUICK, light_samples=4), device)
+    dark = found.variants["off"].readings["below"].numbers["illuminance"]
+    assert found.readings["below"].illuminance[0] > 0.0
+    assert dark.value[0] == 0.0
+    assert dark.half_width[0] == dark.parts["unseen"][0] > 0.0
+    assert found.variants["off"].differences["below"].numbers["illuminance"].parts["unseen"][0] > 0.0
 
 
 def test_a_variant_that_alone_reflects(device):
