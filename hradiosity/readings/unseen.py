@@ -23,9 +23,9 @@ def brightest_unseen(
 ) -> NDArray[np.float64] | None:
     """Most that one ray of a dark reading could have brought, over the number of its rays.
 
-    A reading counts as dark where it has no light in any column of the scene or of a variant, but looks into a space where there is some. All
-    others have a spread of their own, or are surely 0: they see nothing, or only sides that no light reaches. Where no
-    paths are traced, shadow rays alone can't tell that, unless they go to a point.
+    A reading counts as dark where it has no light in any column of the scene or of a variant, but looks into a space
+    where there is some. All others have a spread of their own, or are surely 0: they see nothing, or only sides that no
+    light reaches. Where no paths are traced, shadow rays alone can't tell that, unless they go to a point.
 
     Parameters
     ----------
