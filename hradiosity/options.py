@@ -23,7 +23,7 @@ QUALITIES: Final = MappingProxyType(
             "light_samples": 512,
         },
         "normal": {},
-        "fine": {"elements": 16000, "light_points": 32, "gather_samples": 16384, "light_samples": 8192},
+        "fine": {"elements": 16000, "light_points": 32, "gather_samples": 16384, "light_samples": 2048},
     }
 )
 """What each quality sets apart from the defaults; README tells what each costs."""
@@ -72,7 +72,7 @@ class Options:
     element_size: float | None = None
     rays_per_element: int = 256
     light_points: int = 16
-    light_samples: int = 2048
+    light_samples: int = 1024
     gather_samples: int = 4096
     lookup: Literal[2, 3] = 2
     replicates: int = 8

@@ -173,7 +173,7 @@ def test_disk_with_room_for_a_checkpoint_only(room, call, tmp_path, monkeypatch)
     assert "--resume" in outcome.err
     again = call("render", room, "-o", tmp_path / "out", "--resume", *QUICK)
     assert again.code == 0
-    assert "going on from replicate 4" in again.out
+    assert "going on from replicate 8" in again.out
     assert not (tmp_path / "out.partial").exists()
 
 
