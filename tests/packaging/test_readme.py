@@ -45,7 +45,7 @@ def test_both_commands_are_single_lines_and_ci_finds_the_second():
     commands = [line for line in README.splitlines() if line.startswith("python3.11 -m venv")]
     assert len(commands) == 2
     assert "hradiosity render scenes/office" in commands[0]
-    assert commands[1].endswith("pytest")
+    assert commands[1].endswith("pytest -n 2")
     marked = README.split("<!-- set up and test -->")[1]
     assert re.search(r"^python.*", marked, flags=re.MULTILINE)[0] == commands[1]
 

@@ -53,7 +53,7 @@ def test_measured_speeds_give_back_the_seconds_that_they_were_measured_from(fini
 def test_cost_follows_resolution_patches_and_columns(device):
     plans = [
         ClassicSolver(room(), classic(**changes), device, SPEEDS).plan
-        for changes in ({}, {"hemicube_resolution": 64}, {"replicates": 8}, {"interreflection": False})
+        for changes in ({}, {"hemicube_resolution": 64}, {"replicates": 16}, {"interreflection": False})
     ]
     base, fine, long, dark = plans
     drawn = base.hemicubes * (pixels_drawn(64, base.n_patches) - pixels_drawn(32, base.n_patches)) * 1e-8
