@@ -79,7 +79,7 @@ def test_too_many_paths(device, small):
 
 def test_too_many_pairs(device, small):
     """They grow with the square of the elements, and are only counted once these are cut."""
-    options = replace(SMALL, form_factors="contour")
+    options = replace(SMALL, form_factors="contour", rays_per_element=128)
     plan = plan_of(room(), options, device)
     assert plan.memory_bytes > 4 * element_bytes(plan)
     small(plan.memory_bytes // 2, None)

@@ -64,8 +64,10 @@ def alike(parts: Sequence[slice], illuminance: NDArray[np.float64]) -> NDArray[n
     Dark places are less sure than bright ones; what is usual there says nothing about a desk in the light.
     """
     sensor = np.repeat(np.arange(len(parts)), [part.stop - part.start for part in parts])
-    tiny = np.finfo(np.float64).tiny
-    step = np.floor(np.log(np.maximum(illuminance, tiny)) / np.log(ALIKE)).astype(np.int64)
+    brightest = np.zeros(len(parts))
+    np.maximum.at(brightest, sensor, illuminance)
+    share = np.divide(illuminance, brightest[sensor], out=np.zeros_like(illuminance), where=illuminance > 0.0)
+    step = np.floor(np.log(np.maximum(share, np.finfo(np.float64).tiny)) / np.log(ALIKE)).astype(np.int64)
     group: NDArray[np.int64] = np.unique(np.column_stack([sensor, step]), axis=0, return_inverse=True)[1].ravel()
     return group
 

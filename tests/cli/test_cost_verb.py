@@ -29,6 +29,7 @@ def short(monkeypatch, device):
     monkeypatch.setattr(SceneBench, "clock", lambda bench: bench.device.work_cpu_seconds())
 
 
+@pytest.mark.slow
 def test_from_scene_to_report(call, room, tmp_path, monkeypatch):
     from PIL import Image
 

@@ -33,10 +33,11 @@ def test_too_many_replicates():
 
 def test_words():
     """An interval of 2 % takes 7 replicates, since 2.447 · 0.02 / √7 = 0.0185; 0.6 % of error is no sampling."""
-    line = accuracy_line(KNOWN, 0.02, Options())
+    four = Options(replicates=4)
+    line = accuracy_line(KNOWN, 0.02, four)
     assert line == "accuracy 2 %: about 14 s in 7 replicates, as hradiosity cost measured"
     assert "0.6 % of error is not sampling and stays" in accuracy_line(KNOWN, 0.01, Options())
-    assert "in 4 replicates" in accuracy_line(KNOWN, 0.5, Options())  # as many as the settings ask for
+    assert "in 4 replicates" in accuracy_line(KNOWN, 0.5, four)  # as many as the settings ask for
     assert accuracy_line(None, 0.02, Options()).endswith("run hradiosity cost")
 
 

@@ -30,7 +30,7 @@ def test_the_gathered_light_is_the_solution_with_less_noise(device):
     """Neighbouring elements differ by noise and little else; the mean of each wall stays."""
     room = cube([0.1, 0.3, 0.5, 0.7, 0.9, 0.2])
     room.lamp(room.patch((0.4, 0.4, 0.99), (0, 0.2, 0), (0.2, 0, 0), 0), 1.0)
-    solution, on_device = solved(device, room)
+    solution, on_device = solved(device, room, replicates=4, rays_per_element=64)
     surfaces, elements = solution.surfaces, solution.elements
     indirect = (surfaces.irradiance - surfaces.direct)[:, 0]
     gathered = gather_rows(solution, on_device)[:, 0]

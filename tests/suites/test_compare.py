@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from box_rooms import CASES, SENSOR, box_faces, box_room, patches_of, scene_of
 
-from hradiosity.readings.moments import ReadingMoments
+from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
 from hradiosity.solution import Readings
 from hradiosity.suites.compare import compare, counted_bands
 from hradiosity.suites.referee_cache import referee_readings, scene_digest
@@ -25,7 +25,7 @@ def readings_of(spectra) -> dict[str, Readings]:
     )
     moments = ReadingMoments(scene.sensors, scene.bands)
     for sample in spectra:
-        moments.add(np.asarray(sample, float), np.zeros(N_POINTS))
+        moments.add(ReplicateReadings(np.asarray(sample, float), np.zeros(N_POINTS)))
     return moments.readings()
 
 
@@ -73,7 +73,8 @@ def test_other_sensors_or_shapes_are_refused(truth):
     with pytest.raises(ValueError, match="sensors differ"):
         compare({"other": ours[SENSOR]}, ours)
     with pytest.raises(ValueError, match="differ"):
-        compare({SENSOR: replace(ours[SENSOR], irradiance=truth[:2])}, ours)
+        fewer = {name: found[:2] if found.value.ndim else found for name, found in ours[SENSOR].numbers.items()}
+        compare({SENSOR: replace(ours[SENSOR], numbers=fewer)}, ours)
     with pytest.raises(ValueError, match="nothing in the reference"):
         compare(ours, readings_of([0.0 * truth] * 2))
 

@@ -299,7 +299,7 @@ def test_prediction_scales_stages():
     usual = work_of(4000, Options(), **sizes)
     stages = {"exchange rays": 1.0, "readings": 2.0}
     assert predict(4.0, stages, usual, usual) == pytest.approx(4.0)
-    more = work_of(4000, Options(rays_per_element=2 * 16 * Options.replicates), **sizes)  # 16 is the least
+    more = work_of(4000, Options(rays_per_element=2 * Options.rays_per_element), **sizes)
     assert predict(4.0, stages, usual, more) == pytest.approx(5.0)
     light = work_of(4000, Options(light_samples=1, gather_samples=8), **sizes)
     assert predict(4.0, stages, usual, light) == pytest.approx(2.0, abs=0.02)

@@ -3,6 +3,7 @@
 import io
 import struct
 import zlib
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 import numpy as np
@@ -36,7 +37,7 @@ def mean_colour(texture: Texture) -> tuple[float, float, float]:
 
     if texture.source is None:
         raise ValueError("the file holds no picture for it in a format that is read")
-    if not isinstance(texture.source, bytes) and not texture.source.is_file():
+    if not isinstance(texture.source, bytes) and not _is_file(texture.source):
         raise ValueError(f"no file {texture.source}")
     opened = io.BytesIO(texture.source) if isinstance(texture.source, bytes) else texture.source
     try:
@@ -55,6 +56,14 @@ def _mean_of_bytes(image: "Image.Image") -> NDArray[np.float64]:
     total = np.einsum("cv,v->c", counts, linear_from_srgb(np.arange(256) / 255.0))
     mean: NDArray[np.float64] = total / counts.sum(axis=1)
     return mean
+
+
+def _is_file(path: Path) -> bool:
+    """Whether there is one; names that the system takes for none, such as overlong ones, name none."""
+    try:
+        return path.is_file()
+    except (OSError, ValueError):
+        return False
 
 
 def _grey_mean(image: "Image.Image") -> NDArray[np.float64]:
