@@ -81,7 +81,7 @@ class SpectralColumns:
     @property
     def members(self) -> list[NDArray[np.bool_]]:
         """(n_columns,) which columns the scene is made of, then the same of each variant."""
-        return [expansion.any(axis=1) for expansion in (self.expansion, *self.variants)]
+        return [np.asarray(expansion.any(axis=1)) for expansion in (self.expansion, *self.variants)]
 
     def of_variant(self, number: int) -> SpectralColumns:
         """The same columns as they make up the bands of a variant."""
