@@ -20,8 +20,28 @@ RELATIVE_NUMBERS = ("relative_illuminance", "relative_mean_illuminance")
 """Numbers that only differences have."""
 
 
+class _AtPoints:
+    """What readings and differences of readings share."""
+
+    position: NDArray[np.float64]
+    numbers: Mapping[str, Estimate]
+
+    def __len__(self) -> int:
+        return len(self.position)
+
+    @property
+    def illuminance(self) -> NDArray[np.float64]:
+        """(n,) [lx]."""
+        return self.numbers["illuminance"].value
+
+    @property
+    def illuminance_half_width(self) -> NDArray[np.float64]:
+        """(n,) of `illuminance`."""
+        return self.numbers["illuminance"].half_width
+
+
 @dataclass(frozen=True)
-class Readings:
+class Readings(_AtPoints):
     """Light at the points of one sensor, with intervals.
 
     position, normal : (n, 3) float64 [m], [1]
@@ -41,9 +61,6 @@ class Readings:
     enclosed: NDArray[np.float64]
     numbers: Mapping[str, Estimate]
 
-    def __len__(self) -> int:
-        return len(self.position)
-
     @property
     def irradiance(self) -> NDArray[np.float64]:
         """(n, n_bands) spectra [W m⁻² per band]."""
@@ -53,16 +70,6 @@ class Readings:
     def half_width(self) -> NDArray[np.float64]:
         """(n, n_bands) of `irradiance`."""
         return self.numbers["irradiance"].half_width
-
-    @property
-    def illuminance(self) -> NDArray[np.float64]:
-        """(n,) [lx]."""
-        return self.numbers["illuminance"].value
-
-    @property
-    def illuminance_half_width(self) -> NDArray[np.float64]:
-        """(n,) of `illuminance`."""
-        return self.numbers["illuminance"].half_width
 
     @property
     def mean_illuminance(self) -> float:
@@ -133,7 +140,7 @@ def interval_shares(readings: Mapping[str, Readings]) -> dict[str, float]:
 
 
 @dataclass(frozen=True)
-class Differences:
+class Differences(_AtPoints):
     """What a variant of the scene changes at the points of one sensor: variant − scene, with intervals.
 
     numbers : by name as in `Readings.numbers`, each with an interval that comes from the same difference in each
@@ -146,19 +153,6 @@ class Differences:
     position: NDArray[np.float64]
     normal: NDArray[np.float64]
     numbers: Mapping[str, Estimate]
-
-    def __len__(self) -> int:
-        return len(self.position)
-
-    @property
-    def illuminance(self) -> NDArray[np.float64]:
-        """(n,) [lx]."""
-        return self.numbers["illuminance"].value
-
-    @property
-    def illuminance_half_width(self) -> NDArray[np.float64]:
-        """(n,) of `illuminance`."""
-        return self.numbers["illuminance"].half_width
 
     @property
     def derived(self) -> tuple[str, ...]:

@@ -23,7 +23,8 @@ with the edge of elements to a power between 1 and 2, and with the number of ray
 COMMON = 4.0
 """Degrees of freedom that the mean variance of a group of readings counts beside a reading's own. Few replicates of a
 skewed number that all miss its rare large values come out too low and too sure at once; what is usual for the other
-readings then keeps the interval honest. Chosen on half of the scenes of `hradiosity.suites.coverage`."""
+readings then keeps the interval honest. Chosen on the scenes of `hradiosity.suites.coverage`, all but
+one of them: none was kept back to judge it."""
 ALIKE = 4.0
 """Factor between the illuminances of readings that are taken to be about as bright."""
 UNSEEN_PATHS = 3.0
