@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 
 from cyclopts import App
@@ -21,5 +22,6 @@ def room(folder: Path = Path("room"), /) -> int:
     from hradiosity.io.new_room import write_new_room
 
     file = write_new_room(folder)
-    print(f"wrote {file}\nnext: edit it, then\n  hradiosity plan {folder}\n  hradiosity render {folder}")
+    word = shlex.quote(str(folder))
+    print(f"wrote {file}\nnext: edit it, then\n  hradiosity plan {word}\n  hradiosity render {word}")
     return 0
