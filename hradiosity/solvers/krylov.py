@@ -56,11 +56,15 @@ def solve_irradiance(
     area = operator.root_area[:, None]
     emitted = area * root * direct
     rhs = root * operator.apply(root * emitted)
-    guess = np.zeros_like(rhs) if start is None else area * root * start
     coarse = None if deflation is None or deflation.shape[1] == 0 else CoarseSpace(operator, root, deflation)
     sets = Sets(operator.component)
     brightness = sets.largest(rhs)
     per_set = np.divide(1.0, brightness, out=np.ones_like(brightness), where=brightness > 0.0)
+    guess = np.zeros_like(rhs)
+    if start is not None:
+        # Where nothing can arrive, a guess would only shrink, and never become small beside the light there.
+        lit = operator.linked[:, None] & (brightness > 0.0)
+        guess = np.where(lit, area * root * start, guess)
     measure = Measure(sets, rhs * per_set, emitted * per_set, operator.root_area**2)
 
     def irradiance(found: Columns) -> Columns:

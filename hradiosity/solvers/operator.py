@@ -31,6 +31,8 @@ class ExchangeOperator:
 
     Attributes
     ----------
+    linked : (n_rows,) bool
+        Whether an element exchanges light with any.
     component : (n_rows,) int32
         Number of the set of connected elements that each belongs to; elements without any link are in set 0.
     """
@@ -50,10 +52,10 @@ class ExchangeOperator:
         self._host = csr_array(
             (value, exchange.source.astype(np.int64), exchange.start.astype(np.int64)), shape=(len(area), len(area))
         )
-        linked = np.diff(exchange.start) > 0
+        self.linked: NDArray[np.bool_] = np.diff(exchange.start) > 0
         label = connected_components(self._host, directed=False)[1]
         self.component: NDArray[np.int32] = np.zeros(len(area), np.int32)
-        self.component[linked] = np.unique(label[linked], return_inverse=True)[1]
+        self.component[self.linked] = np.unique(label[self.linked], return_inverse=True)[1]
         self.device = device
         self.links: dict[str, DeviceArray] = {
             "link_start": device.upload(exchange.start),

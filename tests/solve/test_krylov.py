@@ -201,6 +201,19 @@ def test_a_start_from_the_solution_needs_no_iteration(device):
     assert len(convergence.residual) == 1
 
 
+def test_a_start_with_light_where_none_can_arrive(device):
+    """An element that this replicate's rays left without a link: in earlier ones light arrived there."""
+    rng = np.random.default_rng(8)
+    matrix, area = closed_space(rng, 60)
+    matrix[7] = matrix[:, 7] = 0.0
+    direct = rng.random((60, 3))
+    start = np.pad(rng.random((60, 3)), ((0, 0), (0, 5))).astype(np.float32)
+    found, convergence = solved(device, matrix, area, 0.6, direct, tolerance=1e-4, start=start)
+    assert convergence.converged and convergence.products < 20
+    np.testing.assert_allclose(found, solve_dense(matrix, area, np.full((60, 3), 0.6), direct), rtol=1e-2)
+    np.testing.assert_array_equal(found[7], direct[7].astype(np.float32))
+
+
 def test_same_bits_twice_and_columns_do_not_touch_each_other(device):
     rng = np.random.default_rng(10)
     matrix, area = closed_space(rng, 50)
