@@ -10,10 +10,11 @@ from types import TracebackType
 from typing import TYPE_CHECKING, Any, Self
 
 from hradiosity.cli.text import count, error_curve, percent
-from hradiosity.radiosity.state import State
 
 if TYPE_CHECKING:
     from rich.console import Console, RenderableType
+
+    from hradiosity.radiosity.state import State
 
 BUILDING = "building kernels for this device (once; later runs skip it)"
 
@@ -31,6 +32,9 @@ class Display:
 
     def close(self) -> None:
         """Stop drawing."""
+
+    def follow(self, doing: Callable[[], str]) -> None:
+        """From now on the solver is at work; `doing` names the stage that it is in."""
 
     def lines(self, lines: Sequence[str], *, title: str = "") -> None:
         """Lasting lines: plan, tables, remarks."""
@@ -99,16 +103,14 @@ class LiveDisplay(Display):
     Parameters
     ----------
     console : Console
-    doing : callable
-        Name of the stage that the solver is in.
     """
 
-    def __init__(self, console: Console, doing: Callable[[], str]) -> None:
+    def __init__(self, console: Console) -> None:
         from rich.live import Live
         from rich.spinner import Spinner
 
         self._console = console
-        self._doing = doing
+        self._doing: Callable[[], str] = str
         self._name = ""
         self._building = False
         self._last: tuple[State, float] | None = None
@@ -126,6 +128,10 @@ class LiveDisplay(Display):
     def close(self) -> None:
         """Take the live part away."""
         self._live.stop()
+
+    def follow(self, doing: Callable[[], str]) -> None:
+        """Show what the solver does where nothing else goes on."""
+        self._doing = doing
 
     def lines(self, lines: Sequence[str], *, title: str = "") -> None:
         """Above the live part."""
@@ -205,7 +211,7 @@ def clock(seconds: float, remaining: float | None = None) -> str:
     return f"{seconds:.1f} s{left}"
 
 
-def open_display(*, quiet: bool, json: bool, doing: Callable[[], str]) -> Display:
+def open_display(*, quiet: bool, json: bool) -> Display:
     """The display that fits the options and the terminal."""
     if quiet:
         return Display()
@@ -214,4 +220,4 @@ def open_display(*, quiet: bool, json: bool, doing: Callable[[], str]) -> Displa
     from rich.console import Console
 
     console = Console(highlight=False)
-    return LiveDisplay(console, doing) if console.is_terminal else PlainDisplay()
+    return LiveDisplay(console) if console.is_terminal else PlainDisplay()

@@ -9,12 +9,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from hradiosity.cli.interrupts import held_back
-from hradiosity.device import Device
+from hradiosity.cli.request import PREVIEW, Run, command, short
 from hradiosity.errors import OutputError
 from hradiosity.io.checkpoint import save_checkpoint
-from hradiosity.model.scene import Scene
+from hradiosity.io.output_folder import close_partial, open_partial
 from hradiosity.radiosity import RadiositySolver
-from hradiosity.show.first_picture import write_first_picture
 from hradiosity.show.preview import Preview
 from hradiosity.show.white import WhiteName
 
@@ -68,7 +67,7 @@ class LiveFiles:
     def __init__(self, folder: Path, solver: RadiositySolver, digest: str, *, preview: bool, white: WhiteName) -> None:
         self._folder, self._solver, self._digest = folder, solver, digest
         self._white = white
-        self._picture = _picture_in(folder)
+        self._picture = folder / PREVIEW
         self._preview = self._open_preview() if preview and len(solver.scene.patches) else None
         self._checkpoint_pace, self._preview_pace = Pace(), Pace()
         self._checkpoint_pace.wait(LEAST_PAUSE)
@@ -86,10 +85,6 @@ class LiveFiles:
                 self._preview_pace.run(self._draw)
             self._checkpoint_pace.run(lambda: save_checkpoint(self._folder, self._solver.checkpoint(), self._digest))
 
-    def remove_preview(self) -> None:
-        """Once there are real pictures."""
-        self._picture.unlink(missing_ok=True)
-
     def _open_preview(self) -> Preview:
         on_device = self._solver.on_device
         return Preview(self._solver.scene, on_device.device, bvh=on_device.bvh, white=self._white)
@@ -100,15 +95,12 @@ class LiveFiles:
             self._preview.write(self._solver, self._picture)
 
 
-def draw_first_picture(scene: Scene, device: Device, folder: Path, white: WhiteName) -> None:
-    """Show the scene in ``pictures/preview.png`` before anything is solved; a full disk does not stop the run."""
-    if not len(scene.patches):
-        return
-    picture = _picture_in(folder)
-    with suppress(OutputError, OSError):
-        picture.parent.mkdir(exist_ok=True)
-        write_first_picture(scene, device, picture, white)
-
-
-def _picture_in(folder: Path) -> Path:
-    return folder / "pictures" / "preview.png"
+def rescue(run: Run, solver: RadiositySolver, digest: str) -> str:
+    """Keep a checkpoint where there is no room for the results; says what became of it."""
+    close_partial(run.out)
+    try:
+        save_checkpoint(open_partial(run.out), solver.checkpoint(), digest)
+    except OutputError:
+        run.keep_partial = False
+        return f"nor is there room to keep what was computed; {short(run.out)} is as it was"
+    return f"what was computed is kept in {short(run.partial)}: make room, then go on with {command()} --resume"

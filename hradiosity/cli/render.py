@@ -64,7 +64,8 @@ def render(
     json
         One JSON object a line on standard output in place of words.
     """
-    from hradiosity.cli.session import Request, run
+    from hradiosity.cli.request import Request
+    from hradiosity.cli.session import run
 
     if referee is not None and referee < 1:
         raise SceneError([Fault("command line", "", f"referee must be at least 1, is {referee}", "")])

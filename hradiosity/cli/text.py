@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
-from hradiosity.model.scene import Note
-from hradiosity.solution import Readings, Solution, interval_shares
+if TYPE_CHECKING:
+    from hradiosity.model.scene import Note
+    from hradiosity.solution import Readings, Solution
 
 TOLD_PART = 5e-5
 """Parts of the intervals below this share of the reading are not told."""
@@ -50,6 +52,8 @@ def sensor_lines(readings: Mapping[str, Readings]) -> list[str]:
 
 def parts_lines(readings: Mapping[str, Readings]) -> list[str]:
     """What the intervals are made of: the median half width of each part, over the reading, largest first."""
+    from hradiosity.solution import interval_shares
+
     shares = interval_shares(readings)
     shown = sorted((item for item in shares.items() if item[1] >= TOLD_PART), key=lambda item: -item[1])
     if not shown:

@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import asdict, fields
 
+from hradiosity.io.builds import DEVICES_FILE
 from hradiosity.io.cache import load_devices, store_devices
 from hradiosity.options import Mode
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.planning_classic import pixels_drawn, products
 from hradiosity.solution import Solution
 
-_FILE = "devices.json"
 _KEPT_BUILDS = 200
 _KINDS: dict[Mode, tuple[type[Calibration | ClassicCalibration], str]] = {
     "rays": (Calibration, "calibration"),
@@ -24,15 +24,10 @@ _CLASSIC_STAGES = ("lamps", "sky", "shooting", "readings")
 def load_calibration(device: str, mode: Mode = "rays") -> Calibration | ClassicCalibration | None:
     """Speeds of a device, by its description, in one mode; None when they were never measured."""
     kind, entry = _KINDS[mode]
-    kept = load_devices(_FILE).get(device, {}).get(entry)
+    kept = load_devices(DEVICES_FILE).get(device, {}).get(entry)
     if not isinstance(kept, dict) or kept.keys() != {field.name for field in fields(kind)}:
         return None
     return kind(**{name: float(value) for name, value in kept.items()})
-
-
-def load_builds(device: str) -> frozenset[str]:
-    """Kernels that an earlier run had built for the device; their driver holds them."""
-    return frozenset(load_devices(_FILE).get(device, {}).get("builds", ()))
 
 
 def store(device: str, builds: Iterable[str], calibration: Calibration | ClassicCalibration | None) -> bool:
@@ -43,13 +38,13 @@ def store(device: str, builds: Iterable[str], calibration: Calibration | Classic
     bool
         False when the cache can't be written, which harms nothing.
     """
-    kept = load_devices(_FILE)
+    kept = load_devices(DEVICES_FILE)
     entry = kept.setdefault(device, {})
     known = list(entry.get("builds", ()))
     entry["builds"] = (known + [build for build in builds if build not in known])[-_KEPT_BUILDS:]
     if calibration is not None:
         entry[next(name for kind, name in _KINDS.values() if isinstance(calibration, kind))] = asdict(calibration)
-    return store_devices(_FILE, kept)
+    return store_devices(DEVICES_FILE, kept)
 
 
 def measure(solution: Solution) -> Calibration | ClassicCalibration | None:

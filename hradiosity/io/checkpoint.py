@@ -14,13 +14,12 @@ from numpy.typing import NDArray
 
 from hradiosity.device.sources import source_digest
 from hradiosity.errors import OutputError
-from hradiosity.io.output_folder import write_file
+from hradiosity.io.output_folder import CHECKPOINT_FILE, write_file
 from hradiosity.io.results_mesh import CHECKPOINT, write_checkpoint
 from hradiosity.model.scene import Scene
 from hradiosity.options import Options
 from hradiosity.plan import Plan
 
-CHECKPOINT_FILE = "checkpoint.h5"
 MESH_FILE = "solution.vtkhdf"
 _LAYOUT = 3
 """One more whenever a checkpoint keeps something else, so that none of an earlier program is taken up."""

@@ -15,6 +15,7 @@ from typing import Any
 from hradiosity.errors import OutputError
 
 RUN_FILE = "run.json"
+CHECKPOINT_FILE = "checkpoint.h5"
 PROGRAM = "hradiosity"
 RUNNING = "running"
 """Value of ``state`` in ``run.json`` while the folder is not whole yet."""

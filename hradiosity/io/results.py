@@ -9,8 +9,8 @@ from typing import Any
 from numpy.typing import NDArray
 
 from hradiosity.errors import OutputError
-from hradiosity.io.checkpoint import CHECKPOINT_FILE, MESH_FILE
-from hradiosity.io.output_folder import RUN_FILE, reason, write_file
+from hradiosity.io.checkpoint import MESH_FILE
+from hradiosity.io.output_folder import CHECKPOINT_FILE, RUN_FILE, reason, write_file
 from hradiosity.io.results_mesh import mesh_file
 from hradiosity.io.results_tables import readings_table, spectra_table
 from hradiosity.io.results_variants import write_variants

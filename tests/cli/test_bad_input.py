@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 from cli_room import QUICK, ROOM
 
-from hradiosity.cli import session
+from hradiosity.cli import closing
 from hradiosity.errors import OutputError
 from hradiosity.io.output_lock import locked
 
@@ -166,7 +166,7 @@ def test_disk_with_room_for_a_checkpoint_only(room, call, tmp_path, monkeypatch)
         raise OutputError("solution.vtkhdf can't be written: no space left on device")
 
     with monkeypatch.context() as patched:
-        patched.setattr(session, "write_results", full)
+        patched.setattr(closing, "write_results", full)
         outcome = call("render", room, "-o", tmp_path / "out", *QUICK)
     assert outcome.code == 2
     assert "make room" in outcome.err

@@ -37,7 +37,8 @@ def test_clock():
 def test_live_display_shows_stage_and_progress_and_leaves_lasting_lines_only():
     text = io.StringIO()
     console = Console(file=text, force_terminal=True, width=100, highlight=False)
-    with LiveDisplay(console, lambda: "exchange rays") as shown:
+    with LiveDisplay(console) as shown:
+        shown.follow(lambda: "exchange rays")
         shown.lines(["occlusion computed"], title="Plan")
         shown.building()
         shown._live.refresh()

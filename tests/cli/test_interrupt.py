@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from cli_room import QUICK
 
-from hradiosity.cli import live_files, session
+from hradiosity.cli import closing, live_files
 from hradiosity.radiosity.solver import RadiositySolver
 
 ENDLESS = ("--replicates", "250", "--no-pictures")
@@ -67,8 +67,8 @@ def test_resume_of_a_killed_run(room, call, tmp_path, monkeypatch):
     assert call("render", room, "-o", tmp_path / "whole", "--quiet", *QUICK).code == 0
     monkeypatch.setattr(live_files, "LEAST_PAUSE", 0.0)
     with monkeypatch.context() as patched:
-        patched.setattr(session, "publish", killed)
-        patched.setattr(session, "write_results", killed)
+        patched.setattr(closing, "publish", killed)
+        patched.setattr(closing, "write_results", killed)
         with pytest.raises(RuntimeError, match="killed"):
             call("render", room, "-o", tmp_path / "out", "--replicates", 8, *QUICK)
     assert not (tmp_path / "out").exists()

@@ -15,7 +15,7 @@ from pathlib import Path
 
 import pytest
 
-from hradiosity.cli import live_files, main, session
+from hradiosity.cli import computing, live_files, main, session
 from hradiosity.device import Device
 from hradiosity.device.kernel import Kernel
 from hradiosity.errors import DeviceError
@@ -362,7 +362,7 @@ def raising_driver_error(cl):
 
 
 def test_too_little_memory_of_the_computer(bench, capsys, monkeypatch):
-    monkeypatch.setattr(session, "make_solver", raising_memory_error)
+    monkeypatch.setattr(computing, "make_solver", raising_memory_error)
     assert bench.render() == 2
     assert "not enough memory: Unable to allocate 9 TiB" in capsys.readouterr().err
     assert not partial_of(bench.out).exists()
@@ -380,7 +380,7 @@ def test_a_checkpoint_outlives_a_resumed_run_that_fails_early(bench, capsys, mon
         assert bench.render() == 2
     checkpoint = (partial_of(bench.out) / "checkpoint.h5").read_bytes()
     with pytest.MonkeyPatch.context() as patched:
-        patched.setattr(session, "make_solver", interrupting)
+        patched.setattr(computing, "make_solver", interrupting)
         assert bench.render("--resume") == 130
     assert (partial_of(bench.out) / "checkpoint.h5").read_bytes() == checkpoint
     assert bench.render("--resume", seed=9) == 2

@@ -5,6 +5,7 @@ from types import SimpleNamespace
 import pytest
 
 from hradiosity.io import calibration
+from hradiosity.io.builds import load_builds
 from hradiosity.io.cache import CACHE_VARIABLE
 from hradiosity.plan import Calibration
 
@@ -19,7 +20,7 @@ def cache(tmp_path, monkeypatch):
 
 def test_unknown_device():
     assert calibration.load_calibration("abacus") is None
-    assert calibration.load_builds("abacus") == frozenset()
+    assert load_builds("abacus") == frozenset()
 
 
 def test_kept_by_device():
@@ -28,7 +29,7 @@ def test_kept_by_device():
     assert calibration.store("abacus", ["a", "c"], None)
     assert calibration.load_calibration("abacus") == SPEEDS
     assert calibration.load_calibration("other") is None
-    assert calibration.load_builds("abacus") == {"a", "c"}
+    assert load_builds("abacus") == {"a", "c"}
 
 
 @pytest.mark.parametrize(

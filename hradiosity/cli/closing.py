@@ -1,0 +1,131 @@
+"""The end of a render: results written and put in place, and a report of what came out."""
+
+from __future__ import annotations
+
+import time
+from pathlib import Path
+from typing import Any
+
+from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
+from hradiosity.cli.auditing import audit_lines, missed_accuracy_lines
+from hradiosity.cli.comparing import DIFFERENCES_TITLE, variant_lines
+from hradiosity.cli.interrupts import held_back, let_through
+from hradiosity.cli.live_files import rescue
+from hradiosity.cli.request import PREVIEW, Run, command, short
+from hradiosity.cli.sensing import NOT_COVERED
+from hradiosity.cli.text import account_line, note_lines, parts_lines, sensor_lines, time_lines
+from hradiosity.errors import OutputError
+from hradiosity.io import calibration
+from hradiosity.io.output_folder import publish
+from hradiosity.io.results import write_results, write_run
+from hradiosity.io.results_variants import variants_record
+from hradiosity.io.run_record import sensor_record
+from hradiosity.radiosity import RadiositySolver
+from hradiosity.solution import Solution
+
+
+def finish(run: Run, solver: RadiositySolver, solution: Solution, digest: str, interrupted: bool) -> int:
+    """Write the results, put them in place, and say what came out; returns the exit status."""
+    start = time.perf_counter()
+    run.display.stage("writing the results")
+    with held_back() as came:
+        try:
+            parts = run.request.interval_parts
+            write_results(run.partial, solution, solver.checkpoint(), digest, parts=parts)
+            if run.request.pictures and not interrupted and not came:
+                interrupted = _draw(run, solver, solution)
+        except OutputError as error:
+            raise OutputError(f"{error}; {rescue(run, solver, digest)}") from error
+        interrupted = interrupted or bool(came)
+        run.seconds["writing"] = time.perf_counter() - start - run.seconds.get("pictures", 0.0)
+        state, code = _outcome(solver, solution, interrupted)
+        seconds = _stage_seconds(run, solution)
+        if solution.variants:
+            run.more["variants"] = variants_record(solution)
+        run.more["intervals_do_not_cover"] = NOT_COVERED
+        write_run(run.partial, solution, state, {"stage_seconds": seconds, "command": command(), **run.more})
+        publish(run.out)
+    run.keep_partial = False
+    _remember(run, solution)
+    run.display.close()
+    _report(run, solution, seconds, state)
+    return code
+
+
+def _draw(run: Run, solver: RadiositySolver, solution: Solution) -> bool:
+    """Draw the pictures; returns whether that was interrupted."""
+    from hradiosity.show.pictures import PictureOptions, write_pictures
+
+    start = time.perf_counter()
+    run.display.stage("drawing pictures")
+    try:
+        with let_through():
+            drawn = write_pictures(
+                solution,
+                run.partial / "pictures",
+                run.device,
+                PictureOptions(white=run.request.white),
+                on_device=solver.on_device,
+            )
+    except KeyboardInterrupt:
+        return True
+    (run.partial / PREVIEW).unlink(missing_ok=True)
+    run.seconds["pictures"] = time.perf_counter() - start
+    run.more["pictures"] = drawn.record
+    run.closing.append(("", note_lines(drawn.notes)))
+    return False
+
+
+def _stage_seconds(run: Run, solution: Solution) -> dict[str, float]:
+    """Of the program's stages and the solver's, in the order in which they ran."""
+    first = {name: run.seconds[name] for name in ("reading the scene", "first picture") if name in run.seconds}
+    return {**first, **solution.record["stage_seconds"], **run.seconds}
+
+
+def _outcome(solver: RadiositySolver, solution: Solution, interrupted: bool) -> tuple[str, int]:
+    if interrupted:
+        return "interrupted", INTERRUPTED
+    if not solver.accuracy_reached or missed_accuracy_lines(solution):
+        return "accuracy not reached", INACCURATE
+    return "complete", GOOD
+
+
+def _remember(run: Run, solution: Solution) -> None:
+    """Keep what was built and, unless building took part of the time, how fast the device was."""
+    fresh = [build for build in run.device.builds if build not in run.known_builds]
+    measured = None if fresh or run.request.resume else calibration.measure(solution)
+    if fresh or measured is not None:
+        calibration.store(run.device.description, fresh, measured)
+
+
+def _report(run: Run, solution: Solution, seconds: dict[str, float], state: str) -> None:
+    display = run.display
+    if solution.readings:
+        title = "Illuminance with 95 % intervals; accuracy is that of the worst reading"
+        told = [*parts_lines(solution.readings), *audit_lines(solution.record)]
+        told.append(f"intervals do not cover {NOT_COVERED}; --sensitivity tells what wrong ones would change")
+        display.lines([*sensor_lines(solution.readings), *told], title=title)
+    if solution.variants:
+        display.lines(variant_lines(solution), title=DIFFERENCES_TITLE)
+    for title, lines in run.closing:
+        display.lines(lines, title=title)
+    display.lines(time_lines(seconds), title="Where the time went")
+    display.lines(["", account_line(solution), f"results are in {short(run.out)}: {_listing(run.out)}"])
+    if state == "interrupted":
+        display.lines([f"interrupted; to go on: {command()} --resume"])
+    if state == "accuracy not reached":
+        missed = [f"warning: the accuracy asked for was not reached; to go on: {command()} --resume"]
+        display.lines(missed_accuracy_lines(solution) or missed)
+    result: dict[str, Any] = {
+        "state": state,
+        "out": str(run.out),
+        "sensors": {name: sensor_record(found) for name, found in solution.readings.items()},
+        "audit": solution.record["audit"],
+        **run.more,
+    }
+    display.data("result", result)
+
+
+def _listing(out: Path) -> str:
+    """What the folder holds."""
+    return ", ".join(sorted(f"{path.name}/" if path.is_dir() else path.name for path in out.iterdir()))
