@@ -14,8 +14,9 @@ from hradiosity.metrics.colorimetric import encode_srgb, xyz_to_linear_srgb, xyz
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import View
 from hradiosity.show.camera import ABOVE, PicturePoints, ViewHits, picture_points, trace_view
+from hradiosity.show.channels import paint_colours
 from hradiosity.show.exposure import Developed, develop, pixel_means, to_bytes
-from hradiosity.show.light import PictureScene, RowLight, paint_colours, picture_scene, row_light, shadow_channels
+from hradiosity.show.light import PictureScene, RowLight, picture_scene, row_light, shadow_channels
 from hradiosity.show.row_gather import gather_rows
 from hradiosity.show.scale_bar import Scale, false_colours, with_scale_bar
 from hradiosity.show.seams import level_seams

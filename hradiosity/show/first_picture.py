@@ -14,9 +14,9 @@ from hradiosity.metrics.colorimetric import encode_srgb, xyz_to_linear_srgb, xyz
 from hradiosity.model.geometry import BACK, NONE
 from hradiosity.model.scene import Scene, View
 from hradiosity.show.camera import ABOVE, ViewHits, trace_view
+from hradiosity.show.channels import emitted_xyz, paint_colours, reflected_channels
 from hradiosity.show.exposure import to_bytes, white_luminance
 from hradiosity.show.files import png_bytes, write_bytes
-from hradiosity.show.light import emitted_xyz, paint_colours, reflected_channels
 from hradiosity.show.white import White, WhiteName, white_of
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.bvh_build import build_bvh

@@ -13,10 +13,10 @@ from hradiosity.metrics.colorimetric import encode_srgb, xyz_to_linear_srgb, xyz
 from hradiosity.model.scene import Scene, View
 from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.show.camera import ABOVE, NOTHING, ViewHits, trace_view
+from hradiosity.show.channels import emitted_xyz, reflected_channels
 from hradiosity.show.exposure import to_bytes, white_luminance
 from hradiosity.show.files import png_bytes, write_bytes
 from hradiosity.show.first_picture import first_view, preview_texts
-from hradiosity.show.light import emitted_xyz, reflected_channels
 from hradiosity.show.white import WhiteName, white_of
 from hradiosity.solution import Solution
 from hradiosity.space.bvh import Bvh

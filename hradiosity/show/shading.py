@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.show.camera import PicturePoints, ViewHits
-from hradiosity.show.light import CHANNELS, PictureScene, RowLight, leaf_means
+from hradiosity.show.channels import CHANNELS
+from hradiosity.show.light import PictureScene, RowLight, leaf_means
 from hradiosity.space.cell_lookup import locate_cells
 from hradiosity.space.leaf_fan import fan_weights
 from hradiosity.space.leaves import CENTRE

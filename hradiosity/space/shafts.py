@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,7 +13,9 @@ from hradiosity.model.scene import Scene
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.cells import cell_corners
 from hradiosity.space.hierarchy import Elements
-from hradiosity.space.lit_sides import LitSides
+
+if TYPE_CHECKING:
+    from hradiosity.space.lit_sides import LitSides
 
 UNKNOWN: Final = 0
 """Something may stand between, or the search was given up. Values as in ``cl/include/hr_sight.h``."""

@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.space.shafts import MOST_VISITS
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
-from hradiosity.transport.exchange import RowHits
+
+if TYPE_CHECKING:
+    from hradiosity.transport.exchange import RowHits
 
 
 def direct_on_rows(

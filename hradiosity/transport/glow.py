@@ -6,16 +6,18 @@ They get no shadow rays. What they send out is added where a ray ends on them, b
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.scene import Scene
 from hradiosity.model.variants import stacked_emission, stacked_reflectance
-from hradiosity.plan import SpectralColumns
 from hradiosity.space.hierarchy import side_materials
-from hradiosity.space.lit_sides import LitSides
+
+if TYPE_CHECKING:
+    from hradiosity.plan import SpectralColumns
+    from hradiosity.space.lit_sides import LitSides
 
 MORE_VARIANCE: Final = 0.1
 """By how much glow may add to the variance of the exitance over a space, in squares of its mean irradiance."""
