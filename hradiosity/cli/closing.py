@@ -30,9 +30,9 @@ def finish(run: Run, solver: RadiositySolver, solution: Solution, digest: str, i
     run.display.stage("writing the results")
     with held_back() as came:
         try:
-            parts = run.request.interval_parts
+            parts = run.request.outputs.interval_parts
             write_results(run.partial, solution, solver.checkpoint(), digest, parts=parts)
-            if run.request.pictures and not interrupted and not came:
+            if run.request.outputs.pictures and not interrupted and not came:
                 interrupted = _draw(run, solver, solution)
         except OutputError as error:
             raise OutputError(f"{error}; {rescue(run, solver, digest)}") from error
@@ -57,16 +57,17 @@ def _draw(run: Run, solver: RadiositySolver, solution: Solution) -> bool:
     from hradiosity.show.pictures import PictureOptions, write_pictures
 
     start = time.perf_counter()
+    wanted = run.request.outputs
+    options = PictureOptions(
+        white=wanted.white.value,
+        quantity=wanted.false_color,
+        logarithmic=wanted.false_color_scale == "log",
+        scale_range=wanted.false_color_range,
+    )
     run.display.stage("drawing pictures")
     try:
         with let_through():
-            drawn = write_pictures(
-                solution,
-                run.partial / "pictures",
-                run.device,
-                PictureOptions(white=run.request.white),
-                on_device=solver.on_device,
-            )
+            drawn = write_pictures(solution, run.partial / "pictures", run.device, options, on_device=solver.on_device)
     except KeyboardInterrupt:
         return True
     (run.partial / PREVIEW).unlink(missing_ok=True)
@@ -93,7 +94,7 @@ def _outcome(solver: RadiositySolver, solution: Solution, interrupted: bool) -> 
 def _remember(run: Run, solution: Solution) -> None:
     """Keep what was built and, unless building took part of the time, how fast the device was."""
     fresh = [build for build in run.device.builds if build not in run.known_builds]
-    measured = None if fresh or run.request.resume else calibration.measure(solution)
+    measured = None if fresh or run.request.outputs.resume else calibration.measure(solution)
     if fresh or measured is not None:
         calibration.store(run.device.description, fresh, measured)
 

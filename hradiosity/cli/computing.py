@@ -45,13 +45,13 @@ class Computation:
         """All of it, with the results written and told; returns the exit status."""
         self._tell_plan()
         digest = run_digest(self._scene, self._solver.plan, self._request.options, self._device.description)
-        if self._request.resume:
+        if self._request.outputs.resume:
             self._take_up(digest)
         interrupted = self._solve(digest)
         if interrupted and self._solver.replicates == 0:
             raise KeyboardInterrupt
         solution, interrupted = self._audit(self._solver.solution(), interrupted)
-        if self._request.sensitivity and self._scene.sensors and not interrupted:
+        if self._request.outputs.sensitivity and self._scene.sensors and not interrupted:
             interrupted = self._sensitivity()
         if self._request.referee and self._scene.sensors and not interrupted:
             interrupted = self._referee(solution, self._request.referee)
@@ -82,8 +82,8 @@ class Computation:
                 self._about.partial,
                 self._solver,
                 digest,
-                preview=self._request.pictures,
-                white=self._request.white,
+                preview=self._request.outputs.pictures,
+                white=self._request.outputs.white.value,
             )
             for state in self._solver.states():
                 self._display.state(state)

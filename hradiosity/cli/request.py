@@ -10,17 +10,17 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from hradiosity.cli.display import Display
+    from hradiosity.cli.outputs import Outputs
     from hradiosity.device import Device
     from hradiosity.model.scene import Scene
     from hradiosity.options import Options
-    from hradiosity.show.white import WhiteName
 
 
 PREVIEW = Path("pictures", "preview.png")
 """In the folder where results grow: the first picture, and what takes its place until the real ones are drawn."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True)
 class Request:
     """What the command line asked for; see ``hradiosity render --help``."""
 
@@ -28,14 +28,8 @@ class Request:
     out: Path
     options: Options
     device: str | None
-    resume: bool
     referee: int | None
-    pictures: bool
-    white: WhiteName
-    sensitivity: bool
-    interval_parts: bool
-    quiet: bool
-    json: bool
+    outputs: Outputs
 
 
 @dataclass

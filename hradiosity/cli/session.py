@@ -37,13 +37,13 @@ def run(request: Request) -> int:
     reading = time.perf_counter() - start
     out = request.out.resolve()
     with locked(out):
-        partial = open_partial(out, keep=request.resume)
-        taken_up = request.resume and (partial / CHECKPOINT_FILE).exists()
+        partial = open_partial(out, keep=request.outputs.resume)
+        taken_up = request.outputs.resume and (partial / CHECKPOINT_FILE).exists()
         computation: Computation | None = None
         try:
             with termination_interrupts():
                 device = Device(request.device)
-                with open_display(quiet=request.quiet, json=request.json) as display:
+                with open_display(quiet=request.outputs.quiet, json=request.outputs.json) as display:
                     started = Run(request, scene, out, partial, device, display, {"reading the scene": reading})
                     computation = _start(started)
                     return computation.run()
@@ -56,7 +56,7 @@ def _start(run: Run) -> Computation:
     """Draw the first picture, then load the solver."""
     run.known_builds = load_builds(run.device.description)
     _announce_builds(run)
-    if run.request.pictures and not run.request.resume:
+    if run.request.outputs.pictures and not run.request.outputs.resume:
         start = time.perf_counter()
         _draw_first_picture(run)
         run.seconds["first picture"] = time.perf_counter() - start
@@ -85,4 +85,4 @@ def _draw_first_picture(run: Run) -> None:
     picture = run.partial / PREVIEW
     with suppress(OutputError, OSError):
         picture.parent.mkdir(exist_ok=True)
-        write_first_picture(run.scene, run.device, picture, run.request.white)
+        write_first_picture(run.scene, run.device, picture, run.request.outputs.white.value)

@@ -15,10 +15,10 @@ from hradiosity.show.exposure import to_bytes
 STRIP_WIDTH: Final = 96
 """Pixels that the scale takes beside the picture."""
 DECADES: Final = 3
-"""Of a logarithmic scale whose lower end nobody named."""
+"""Of a logarithmic scale whose ends nobody named, at most."""
 TICK_STEPS: Final = (1.0, 2.0, 5.0, 10.0)
 TOPS: Final = (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0)
-"""First digits of the upper end of a scale: closer together than ticks, so that little of the colours goes unused."""
+"""First digits of the ends of a scale: closer together than ticks, so that little of the colours goes unused."""
 _NOTHING: Final = 0.25
 """Grey where the view leaves the scene."""
 _MARGIN, _BAR, _TICK, _TEXT = 14, 18, 4, 12
@@ -72,11 +72,22 @@ def round_up(value: float, numbers: Sequence[float] = TICK_STEPS) -> float:
     return float(next(decade * m for m in numbers if decade * m >= value * (1.0 - 1e-9)))
 
 
+def round_down(value: float) -> float:
+    """The next number with one of the first digits of `TOPS` that is no larger than ``value`` > 0."""
+    decade = 10.0 ** np.floor(np.log10(value))
+    return float(next(decade * m for m in reversed(TOPS) if decade * m <= value * (1.0 + 1e-9)))
+
+
 def automatic_scale(values: NDArray[np.floating], *, logarithmic: bool, quantity: str, unit: str) -> Scale:
-    """A scale that holds all but the brightest hundredth of the values; 0 or three decades below at its other end."""
-    bright = float(np.quantile(values, 0.99)) if len(values) else 0.0
+    """A scale that holds all but the brightest hundredth of the values, from 0.
+
+    A logarithmic one leaves the darkest hundredth out too, and all that is more than three decades below its end.
+    """
+    dark, bright = (float(q) for q in np.quantile(values, [0.01, 0.99])) if len(values) else (0.0, 0.0)
     high = round_up(bright, TOPS) if bright > 0.0 else 1.0
-    return Scale(high * 10.0**-DECADES if logarithmic else 0.0, high, logarithmic, quantity, unit)
+    lowest = high * 10.0**-DECADES
+    low = lowest if dark <= lowest else min(round_down(dark), high / 10.0)
+    return Scale(low if logarithmic else 0.0, high, logarithmic, quantity, unit)
 
 
 def false_colours(values: NDArray[np.float64], seen: NDArray[np.bool_], scale: Scale) -> NDArray[np.uint8]:

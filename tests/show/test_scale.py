@@ -6,7 +6,7 @@ import pytest
 from hradiosity.metrics.colorimetric import xyz_to_linear_srgb
 from hradiosity.show.colormap import colours_of, lab_to_xyz, scale_colours
 from hradiosity.show.exposure import white_luminance
-from hradiosity.show.scale_bar import Scale, automatic_scale, false_colours, round_up
+from hradiosity.show.scale_bar import Scale, automatic_scale, false_colours, round_down, round_up
 
 RGB_TO_XYZ = np.linalg.inv(np.stack([xyz_to_linear_srgb(np.eye(3)[i], 1.0) for i in range(3)], axis=1))
 
@@ -56,9 +56,26 @@ def test_automatic_scale_ends_at_a_round_number():
     values = np.append(np.linspace(0, 430, 1000), 1e6)
     assert automatic_scale(values, logarithmic=False, quantity="q", unit="u").high == 500
     assert automatic_scale(0.5 * values, logarithmic=False, quantity="q", unit="u").high == 250
-    logs = automatic_scale(values, logarithmic=True, quantity="q", unit="u")
-    assert (logs.low, logs.high) == pytest.approx((0.5, 500))
     assert automatic_scale(np.zeros(0), logarithmic=False, quantity="q", unit="u").high == 1
+
+
+@pytest.mark.parametrize(
+    ("values", "ends"),
+    [
+        (np.geomspace(1.0, 100.0, 1000), (1.0, 100.0)),  # the darkest and the brightest hundredth: 1.05 and 95.5
+        (np.geomspace(1e-6, 450.0, 1000), (0.4, 400.0)),  # too far for three decades
+        (np.linspace(400.0, 430.0, 100), (50.0, 500.0)),  # hardly any contrast: a decade in any case
+        (np.zeros(10), (0.001, 1.0)),
+    ],
+)
+def test_a_logarithmic_scale_holds_dark_and_bright_places(values, ends):
+    scale = automatic_scale(values, logarithmic=True, quantity="q", unit="u")
+    assert (scale.low, scale.high) == pytest.approx(ends)
+
+
+@pytest.mark.parametrize(("value", "down"), [(1.0, 1.0), (0.99, 0.8), (430, 400), (0.061, 0.06), (9.9, 8.0)])
+def test_round_down(value, down):
+    assert round_down(value) == pytest.approx(down, rel=1e-12)
 
 
 @pytest.mark.parametrize(("value", "up"), [(1.0, 1.0), (1.01, 2.0), (430, 500), (0.06, 0.1), (2e-7, 2e-7), (9, 10)])
