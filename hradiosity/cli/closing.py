@@ -13,7 +13,7 @@ from hradiosity.cli.interrupts import held_back, let_through
 from hradiosity.cli.live_files import rescue
 from hradiosity.cli.request import PREVIEW, Run, command, short
 from hradiosity.cli.sensing import NOT_COVERED
-from hradiosity.cli.text import account_line, note_lines, parts_lines, sensor_lines, time_lines
+from hradiosity.cli.text import account_line, note_lines, outside_lines, parts_lines, sensor_lines, time_lines
 from hradiosity.errors import OutputError
 from hradiosity.io import calibration
 from hradiosity.io.output_folder import publish
@@ -103,7 +103,7 @@ def _report(run: Run, solution: Solution, seconds: dict[str, float], state: str)
     display = run.display
     if solution.readings:
         title = "Illuminance with 95 % intervals; accuracy is that of the worst reading"
-        told = [*parts_lines(solution.readings), *audit_lines(solution.record)]
+        told = [*parts_lines(solution.readings), *audit_lines(solution.record), *outside_lines(solution.scene.bands)]
         told.append(f"intervals do not cover {NOT_COVERED}; --sensitivity tells what wrong ones would change")
         display.lines([*sensor_lines(solution.readings), *told], title=title)
     if solution.variants:

@@ -20,6 +20,7 @@ from hradiosity.io.checkpoint import load_checkpoint, run_digest
 from hradiosity.io.output_folder import partial_of
 from hradiosity.io.results_sensitivity import sensitivity_record, write_sensitivity
 from hradiosity.io.run_record import plan_record
+from hradiosity.metrics.truncation import truncation_lines
 from hradiosity.radiosity import make_solver
 from hradiosity.radiosity.auditing import not_audited
 from hradiosity.radiosity.referee import Referee
@@ -61,8 +62,8 @@ class Computation:
         plan = self._solver.plan
         self._display.lines(note_lines(self._solver.notes))
         expected = accuracy_lines(self._scene, self._request.options, self._device.description)
-        self._display.lines([*plan.lines(), *expected], title="Plan")
-        self._display.data("plan", plan_record(plan))
+        self._display.lines([*plan.lines(), *truncation_lines(self._scene.bands), *expected], title="Plan")
+        self._display.data("plan", plan_record(plan, self._scene.bands))
 
     def _take_up(self, digest: str) -> None:
         """Restore what an earlier run knew."""

@@ -24,6 +24,7 @@ def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False
     from hradiosity.io.calibration import load_calibration
     from hradiosity.io.run_record import plan_record, to_json
     from hradiosity.io.scene_toml import load_scene
+    from hradiosity.metrics.truncation import truncation_lines
     from hradiosity.radiosity import make_solver
 
     chosen = settings or Settings()
@@ -33,10 +34,10 @@ def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False
     solver = make_solver(loaded, options, device, load_calibration(device.description, options.mode))
     made = solver.plan
     if json:
-        print(to_json(plan_record(made)))
+        print(to_json(plan_record(made, loaded.bands)))
         return 0
     expected = accuracy_lines(loaded, options, device.description)
     remarks = note_lines(solver.notes, all_of_them=True)
-    for line in (*remarks, *made.lines(), *expected, f"device: {device.description}"):
+    for line in (*remarks, *made.lines(), *truncation_lines(loaded.bands), *expected, f"device: {device.description}"):
         print(line)
     return 0

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from hradiosity.model.scene import Note
+    from hradiosity.model.spectrum import Bands
     from hradiosity.solution import Readings, Solution
 
 TOLD_PART = 5e-5
@@ -60,6 +61,16 @@ def parts_lines(readings: Mapping[str, Readings]) -> list[str]:
         return []
     told = ", ".join(f"{name} {percent(share)}" for name, share in shown)
     return [f"the intervals are made of {told} (medians): {ADVICE.get(shown[0][0], '')}".rstrip(": ")]
+
+
+def outside_lines(bands: Bands) -> list[str]:
+    """What the bands leave out of each number, where that is worth a line."""
+    from hradiosity.metrics.truncation import truncation
+
+    told = [f"{item.number} {percent(item.outside)}" for item in truncation(bands) if item.is_worth_telling]
+    if not told:
+        return []
+    return [f"{bands.lower[0]:g} to {bands.upper[-1]:g} nm leave out, of equal-energy light: {'; '.join(told)}"]
 
 
 def error_curve(points: Sequence[tuple[float, float]], width: int = 40) -> str:

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from hradiosity.io.output_folder import PROGRAM
+from hradiosity.metrics.truncation import truncation
+from hradiosity.model.spectrum import Bands
 from hradiosity.plan import Plan
 from hradiosity.planning import shared_rays
 from hradiosity.solution import Readings, Solution, interval_shares
@@ -40,7 +42,7 @@ def run_record(solution: Solution, state: str, more: Mapping[str, Any]) -> dict[
         "complete": state == "complete",
         "scene": {"name": scene.name, "file": str(scene.path) if scene.path else None},
         "seed": record["options"]["seed"],
-        "plan": plan_record(plan),
+        "plan": plan_record(plan, scene.bands),
         **record,
         "iterations": [len(c["residual"]) - 1 for c in record["solver"]],
         "repeat_with": _repeat_with(solution),
@@ -51,8 +53,8 @@ def run_record(solution: Solution, state: str, more: Mapping[str, Any]) -> dict[
     }
 
 
-def plan_record(plan: Plan) -> dict[str, Any]:
-    """A plan without its arrays."""
+def plan_record(plan: Plan, bands: Bands) -> dict[str, Any]:
+    """A plan without its arrays, and what the bands leave out of each number."""
     names = [name for name in plan.__dataclass_fields__ if name not in ("columns", "effects", "sight", "weak_emitters")]
     return {
         "effects": [asdict(effect) for effect in plan.effects],
@@ -61,6 +63,7 @@ def plan_record(plan: Plan) -> dict[str, Any]:
         "classes_of_bands": plan.columns.n_classes,
         "emitters_without_shadow_rays": int(plan.weak_emitters.sum()),
         **{name: getattr(plan, name) for name in names},
+        "outside_bands": {item.number: item.outside for item in truncation(bands)},
     }
 
 

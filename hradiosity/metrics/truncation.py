@@ -27,6 +27,11 @@ class Truncation:
     number: str
     outside: float
 
+    @property
+    def is_worth_telling(self) -> bool:
+        """Whether it is more than what any number from 380 to 780 nm lacks."""
+        return self.outside >= WORTH_TELLING
+
 
 def outside_share(action: Spectrum, bands: Bands, light: Spectrum | None = None) -> float:
     """Share of an action spectrum's weight that lies outside the bands.
@@ -114,7 +119,7 @@ def truncation_lines(bands: Bands, light: Spectrum | None = None) -> list[str]:
     return [
         f"{item.number}: {100.0 * item.outside:.2g} % of the weight, for {of}, lies outside the bands ({extent})"
         for item in truncation(bands, light)
-        if item.outside >= WORTH_TELLING
+        if item.is_worth_telling
     ]
 
 
