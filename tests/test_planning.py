@@ -146,7 +146,8 @@ def lit_cube(scene, free_path=2 / 3) -> LitSides:
     """Fronts lit, backs dark; the mean free path of a unit cube is 4V/S = 2/3 m."""
     lit = np.tile([True, False], (len(scene.patches), 1))
     space = np.where(lit, 0, -1).astype(np.int32)
-    return LitSides(lit=lit, space=space, open=np.zeros(1, bool), free_path=free_path)
+    slots = np.zeros(lit.shape, np.int64)
+    return LitSides(lit=lit, space=space, open=np.zeros(1, bool), free_path=free_path, slots=slots)
 
 
 @pytest.mark.parametrize(

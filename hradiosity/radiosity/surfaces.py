@@ -138,7 +138,8 @@ class SurfaceSolver:
     def _divide(self, lit: LitSides) -> Elements:
         """The row elements of the lit sides."""
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
-        return build_elements(self.scene.patches, lit.space, two_sided, self.plan.element_size, paint=self._glow.paint)
+        size, paint = self.plan.element_size, self._glow.paint
+        return build_elements(self.scene.patches, lit.space, two_sided, size, paint=paint, slots=lit.slots)
 
     def _coarser(self) -> NDArray[np.int64]:
         """(n_rows,) element of twice the size that each row is part of."""

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.geometry import Patches
+from hradiosity.space.slots import with_slots
 
 NONE: Final = 0xFFFFFFFF
 """No element there."""
@@ -71,6 +72,7 @@ def build_elements(
     *,
     grouping: bool = True,
     paint: NDArray[np.uint32] | None = None,
+    slots: NDArray[np.int64] | None = None,
 ) -> Elements:
     """Cut the lit sides into elements of about `size`, and join small faces.
 
@@ -87,8 +89,12 @@ def build_elements(
         cube of edge h (Willmott, Heckbert & Garland 1999 call such a set a face cluster).
     paint : (n_patches, 2) uint32, optional
         Faces are joined only where this is the same, in place of the material.
+    slots : (n_patches, 2) int64, optional
+        Cells that walls of slots should have along both edges, see `hradiosity.space.slots`.
     """
     divisions = grid_divisions(patches, size)
+    if slots is not None and slots.any():
+        divisions = with_slots(patches, (space >= 0).sum(axis=1), divisions, slots)
     first_cell, cell_side = cut_sides(patches, space, divisions)
     side_material = side_materials(patches, two_sided)
     count = _cells_a_side(patches, divisions)

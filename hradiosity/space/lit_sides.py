@@ -11,6 +11,7 @@ from hradiosity.model.geometry import BACK, NONE, Patches
 from hradiosity.model.scene import Scene
 from hradiosity.model.welding import connected
 from hradiosity.space.bvh import Bvh
+from hradiosity.space.slots import slot_divisions
 from hradiosity.space.visibility import trace_any, trace_closest
 
 RAYS_PER_SIDE = 16
@@ -25,12 +26,14 @@ class LitSides:
     space : (n_patches, 2) int32, number of the connected space that the side looks into; −1 where not lit
     open : (n_spaces,) bool, rays leave the space
     free_path : mean distance that light goes from a lit surface to the next one [m], 4V/S of an empty convex room
+    slots : (n_patches, 2) int64, cells that walls of slots should have along both edges, see `slot_divisions`
     """
 
     lit: NDArray[np.bool_]
     space: NDArray[np.int32]
     open: NDArray[np.bool_]
     free_path: float
+    slots: NDArray[np.int64]
 
     def of_parents(self, parent: NDArray[np.int64]) -> LitSides:
         """The same for the patches that pieces were cut from: lit where a piece is, in the space of one that is lit.
@@ -42,7 +45,9 @@ class LitSides:
         """
         space = np.full((int(parent.max(initial=-1)) + 1, 2), -1, np.int32)
         np.maximum.at(space, parent, self.space)
-        return LitSides(space >= 0, space, self.open, self.free_path)
+        slots = np.zeros_like(space, np.int64)
+        np.maximum.at(slots, parent, self.slots)
+        return LitSides(space >= 0, space, self.open, self.free_path, slots)
 
 
 @dataclass(frozen=True)
@@ -55,6 +60,7 @@ class _Pilot:
     left : (n_rays,) bool, it left the scene
     left_upward : (n_rays,) bool, and above the horizon
     distance : (n_rays,) float64, to the target; 0 for none [m]
+    height : (n_rays,) float64, of the target above the side; inf for none [m]
     """
 
     origin: NDArray[np.int64]
@@ -63,6 +69,13 @@ class _Pilot:
     left: NDArray[np.bool_]
     left_upward: NDArray[np.bool_]
     distance: NDArray[np.float64]
+    height: NDArray[np.float64]
+
+    def heights(self, n_patches: int) -> NDArray[np.float64]:
+        """(n_patches, 2, RAYS_PER_SIDE); inf for sides that send no rays."""
+        height = np.full((2 * n_patches, RAYS_PER_SIDE), np.inf)
+        height[self.origin[::RAYS_PER_SIDE]] = self.height.reshape(-1, RAYS_PER_SIDE)
+        return height.reshape(n_patches, 2, RAYS_PER_SIDE)
 
 
 def find_lit_sides(scene: Scene, bvh: Bvh, *, seed: int = 0, known_links: NDArray[np.int64] | None = None) -> LitSides:
@@ -101,11 +114,14 @@ def find_lit_sides(scene: Scene, bvh: Bvh, *, seed: int = 0, known_links: NDArra
     lit = bright[label]
     lit[1::2] &= patches.solid < 0
     number = np.cumsum(bright) - 1
+    lit = lit.reshape(-1, 2)
+    free_path = _free_path(pilot, lit.ravel(), patches.area, bvh.scale)
     return LitSides(
-        lit=lit.reshape(-1, 2),
-        space=np.where(lit, number[label], -1).astype(np.int32).reshape(-1, 2),
+        lit=lit,
+        space=np.where(lit, number[label].reshape(-1, 2), -1).astype(np.int32),
         open=leaves[bright],
-        free_path=_free_path(pilot, lit, patches.area, bvh.scale),
+        free_path=free_path,
+        slots=slot_divisions(patches, bvh, pilot.heights(len(patches)), lit, free_path, seed),
     )
 
 
@@ -133,6 +149,7 @@ def _trace_from_sides(patches: Patches, bvh: Bvh, rng: np.random.Generator) -> _
     start = point + 2.0**-20 * bvh.scale * normal
     hits = trace_closest(bvh, start, direction, skip_patch=patch)
     missed = hits.patch < 0
+    rise = hits.t * np.einsum("rd,rd->r", direction, normal)
     target = np.where(missed, 0, hits.patch).astype(np.int64)
     inside = ~missed & (hits.side == BACK) & (patches.solid[target] >= 0)
     return _Pilot(
@@ -142,6 +159,7 @@ def _trace_from_sides(patches: Patches, bvh: Bvh, rng: np.random.Generator) -> _
         left=missed,
         left_upward=missed & (direction[:, 2] > 0.0),
         distance=np.where(missed | inside, 0.0, hits.t).astype(np.float64),
+        height=np.where(missed | inside, np.inf, rise).astype(np.float64),
     )
 
 

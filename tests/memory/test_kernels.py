@@ -63,7 +63,13 @@ def furnished_cube(bands):
 def lit_fronts(scene):
     """The front sides are lit, without asking any ray."""
     lit = np.array([[True, False]] * len(scene.patches))
-    return LitSides(lit=lit, space=np.where(lit, 0, -1).astype(np.int32), open=np.array([False]), free_path=0.5)
+    return LitSides(
+        lit=lit,
+        space=np.where(lit, 0, -1).astype(np.int32),
+        open=np.array([False]),
+        free_path=0.5,
+        slots=np.zeros(lit.shape, np.int64),
+    )
 
 
 @pytest.mark.parametrize("bands", [1, 11])
