@@ -43,6 +43,13 @@ def test_the_first_picture_waits_for_no_solver_library():
     assert done.stdout.strip() == "['numpy', 'pydantic']"
 
 
+def test_the_first_picture_waits_for_no_part_of_the_solver():
+    """What only a solution needs is loaded once the picture is there."""
+    late = ("radiosity", "readings", "solvers", "planning", "solution", "transport.exchange", "io.results", "suites")
+    code = f"import sys, hradiosity.cli.session; print([n for n in {late!r} if 'hradiosity.' + n in sys.modules])"
+    assert python("-c", code).stdout.strip() == "[]"
+
+
 def test_every_verb_has_help(call):
     for verb in ("render", "plan", "devices", "schema", "new"):
         shown = call(verb, "--help")
