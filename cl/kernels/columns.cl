@@ -29,3 +29,27 @@ __kernel void apply_links(__global const uint *link_start,  /* (n_rows + 1,)    
     for (uint g = 0; g < HR_GROUPS; ++g)
         ((hr_groups_out)product)[(size_t)row * HR_GROUPS + g] = sum[g];
 }
+
+/* Each row's factors times the rows of `combination`, HR_GROUPS groups of columns wide; a work-item a row. */
+__kernel void combine_columns(__global const float *factors,     /* (n_rows, n_factors)        */
+                              __global const float *combination, /* (n_factors, 8 HR_GROUPS)   */
+                              __global float *combined,          /* (n_rows, 8 HR_GROUPS)      */
+                              const uint n_factors, const uint n_items)
+{
+    const uint row = get_global_id(0);
+    if (row >= n_items)
+        return;
+    float8 sum[HR_GROUPS];
+#pragma unroll
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        sum[g] = (float8)(0.0f);
+    for (uint k = 0; k < n_factors; ++k) {
+        const float factor = factors[(size_t)row * n_factors + k];
+#pragma unroll
+        for (uint g = 0; g < HR_GROUPS; ++g)
+            sum[g] += factor * ((hr_groups_in)combination)[(size_t)k * HR_GROUPS + g];
+    }
+#pragma unroll
+    for (uint g = 0; g < HR_GROUPS; ++g)
+        ((hr_groups_out)combined)[(size_t)row * HR_GROUPS + g] = sum[g];
+}

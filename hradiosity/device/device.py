@@ -165,6 +165,12 @@ class Device:
             raise DeviceError(f"{self.info.name} failed: {error}") from error
         return host
 
+    def copy(self, to: DeviceArray, array: DeviceArray) -> None:
+        """Make one device array equal to another of the same size."""
+        import pyopencl as cl
+
+        cl.enqueue_copy(self._queue, to.data, array.data)
+
     def finish(self) -> None:
         """Wait for everything that was enqueued."""
         self._queue.finish()

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from typing import Generic
+
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.solvers.column_algebra import column_dot
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Columns
+from hradiosity.solvers.vectors import V, Vectors
 
 LANCZOS_STEPS = 20
 DEFLATE_ABOVE = 0.8
@@ -55,38 +57,44 @@ def _orthonormalise(vector: NDArray[np.float64], basis: list[NDArray[np.float64]
     return vector / norm if norm > 1e-10 * size else np.zeros_like(vector)
 
 
-class CoarseSpace:
+class CoarseSpace(Generic[V]):
     """The deflation space of each column: W, A W and (Wᵀ A W)⁻¹ with A = I − R½ S R½.
 
     W is 0 at black elements, where the solution is: a part of it that came back there would be all of their residual,
     however small.
+
+    Parameters
+    ----------
+    vectors : Vectors
+        The algebra of A.
+    root : (n_rows, 8 n_groups), R½
+    deflation : (n_rows, k) float64
+        From `deflation_vectors`.
     """
 
-    def __init__(self, operator: ExchangeOperator, root: Columns, vectors: NDArray[np.float64]) -> None:
-        self.size, self._dtype = vectors.shape[1], operator.dtype
-        self._w = vectors.astype(self._dtype)
-        self._reflects = (root > 0.0).astype(self._dtype)
-        self._aw = [self._reflects * w[:, None] - root * operator.apply(root * w[:, None]) for w in self._w.T]
-        small = np.array([[column_dot(w[:, None], aw) for aw in self._aw] for w in self._w.T])
+    def __init__(self, vectors: Vectors[V], root: Columns, deflation: NDArray[np.float64]) -> None:
+        self.size, self._vectors = deflation.shape[1], vectors
+        self._w = [vectors.put(np.where(root > 0.0, w[:, None], 0.0).astype(root.dtype)) for w in deflation.T]
+        self._aw = [vectors.put(np.zeros_like(root)) for _ in self._w]
+        for image, w in zip(self._aw, self._w):
+            vectors.image(image, w)
+        small = np.array([[vectors.products(w, aw).sum(axis=0) for aw in self._aw] for w in self._w])
         # Where all of a vector's elements are black nothing is left of it, and the matrix has no inverse.
         self._inverse = np.linalg.pinv(np.moveaxis(small, 2, 0), hermitian=True)
 
-    def project(self, residual: Columns) -> Columns:
-        """W (Wᵀ A W)⁻¹ (A W)ᵀ r: the part of a direction that is not conjugate to W."""
-        return self._combine(np.array([column_dot(aw, residual) for aw in self._aw]))
+    def project(self, vector: V, direction: V) -> None:
+        """Take W (Wᵀ A W)⁻¹ (A W)ᵀ v off a direction: its part that is not conjugate to W, if v is the direction."""
+        for factor, w in zip(self._factors(self._aw, vector), self._w):
+            self._vectors.add(direction, -factor, w)
 
-    def remove(self, residual: Columns) -> tuple[Columns, Columns]:
-        """W c and A W c with c = (Wᵀ A W)⁻¹ Wᵀ r."""
-        factors = self._factors(np.array([column_dot(w[:, None], residual) for w in self._w.T]))
-        image = np.zeros_like(residual)
-        for aw, factor in zip(self._aw, factors):
-            image += aw * factor
-        return self._reflects * np.einsum("ni,ic->nc", self._w, factors), image
+    def remove(self, residual: V, solution: V) -> None:
+        """Add W c to the solution, and take A W c off the residual, with c = (Wᵀ A W)⁻¹ Wᵀ r."""
+        for factor, w, aw in zip(self._factors(self._w, residual), self._w, self._aw):
+            self._vectors.add(solution, factor, w)
+            self._vectors.add(residual, -factor, aw)
 
-    def _factors(self, right: NDArray[np.float64]) -> Columns:
-        factors: Columns = np.einsum("cij,jc->ic", self._inverse, right).astype(self._dtype)
+    def _factors(self, rows: list[V], vector: V) -> NDArray[np.float64]:
+        """(k, n_columns) (Wᵀ A W)⁻¹ times the products of some vectors with one."""
+        right = np.array([self._vectors.products(row, vector).sum(axis=0) for row in rows])
+        factors: NDArray[np.float64] = np.einsum("cij,jc->ic", self._inverse, right)
         return factors
-
-    def _combine(self, right: NDArray[np.float64]) -> Columns:
-        combined: Columns = self._reflects * np.einsum("ni,ic->nc", self._w, self._factors(right))
-        return combined

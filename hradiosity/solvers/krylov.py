@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.solvers.column_algebra import column_dot, column_ratio
+from hradiosity.solvers.column_algebra import column_ratio
 from hradiosity.solvers.deflation import CoarseSpace
 from hradiosity.solvers.measure import Measure, Sets
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Columns, Convergence, Progress, Solved, Watch
+from hradiosity.solvers.vectors import V, Vectors, vectors_for
 
 PATIENCE = 20
 """Iterations without a smaller residual after which single precision is taken to be exhausted."""
@@ -56,8 +58,9 @@ def solve_irradiance(
     area = operator.root_area[:, None]
     emitted = area * root * direct
     rhs = root * operator.apply(root * emitted)
-    coarse = None if deflation is None or deflation.shape[1] == 0 else CoarseSpace(operator, root, deflation)
     sets = Sets(operator.component)
+    vectors = vectors_for(operator, root, sets)
+    coarse = None if deflation is None or deflation.shape[1] == 0 else CoarseSpace(vectors, root, deflation)
     brightness = sets.largest(rhs)
     per_set = np.divide(1.0, brightness, out=np.ones_like(brightness), where=brightness > 0.0)
     guess = np.zeros_like(rhs)
@@ -70,16 +73,16 @@ def solve_irradiance(
     def irradiance(found: Columns) -> Columns:
         return direct + operator.inverse_root_area[:, None] * operator.apply(root * (emitted + found * brightness))
 
-    def step(residual: float, found: Columns) -> None:
+    def step(residual: float, found: Any) -> None:
         if watch is not None:
             counted = operator.products
-            watch(Progress("cg", counted - before + 1, residual, lambda: irradiance(found)))
+            watch(Progress("cg", counted - before + 1, residual, lambda: irradiance(vectors.get(found))))
             operator.products = counted
 
     solution, residual = _conjugate_gradients(
-        operator, root, rhs * per_set, guess * per_set, coarse, measure, tolerance, max_iterations, step
+        vectors, rhs * per_set, guess * per_set, coarse, measure, tolerance, max_iterations, step
     )
-    result = irradiance(solution)
+    result = irradiance(vectors.get(solution))
     convergence = Convergence(
         residual=tuple(residual),
         converged=min(residual) <= tolerance,
@@ -92,52 +95,56 @@ def solve_irradiance(
 
 
 def _conjugate_gradients(
-    operator: ExchangeOperator,
-    root: Columns,
+    vectors: Vectors[V],
     rhs: Columns,
-    solution: Columns,
-    coarse: CoarseSpace | None,
+    guess: Columns,
+    coarse: CoarseSpace[V] | None,
     measure: Measure,
     tolerance: float,
     max_iterations: int,
-    watch: Callable[[float, Columns], None],
-) -> tuple[Columns, list[float]]:
+    watch: Callable[[float, V], None],
+) -> tuple[V, list[float]]:
     """Deflated conjugate gradients (Saad, Yeung, Erhel & Guyomarc'h 2000), scalars per column.
 
     Stops at the tolerance, or when single precision lets nothing improve any more; the best solution is returned.
     """
+    ones = np.ones(rhs.shape[1])
+    solution, residual, image = (vectors.put(x) for x in (guess, rhs, np.zeros_like(rhs)))
 
-    def apply(x: Columns) -> Columns:
-        return x - root * operator.apply(root * x)
+    def measured() -> tuple[NDArray[np.float64], float]:
+        squares = vectors.products(residual, residual)
+        picked = (vectors.pick(x, measure.every) for x in (residual, solution))
+        return squares.sum(axis=0), measure.of_picked(np.sqrt(squares), *picked)
 
-    residual = rhs - apply(solution) if solution.any() else rhs.copy()
+    if guess.any():
+        vectors.image(image, solution)
+        vectors.add(residual, -ones, image)
     if coarse is not None:
-        correction, its_image = coarse.remove(residual)
-        solution = solution + correction
-        residual = residual - its_image
-    direction = residual if coarse is None else residual - coarse.project(residual)
-    power = column_dot(residual, residual)
-    history = [measure(residual, solution)]
-    best = solution
+        coarse.remove(residual, solution)
+    direction, best = vectors.put(rhs), vectors.put(guess)
+    vectors.assign(direction, residual)
+    vectors.assign(best, solution)
+    if coarse is not None:
+        coarse.project(residual, direction)
+    power, size = measured()
+    history = [size]
     while history[-1] > tolerance and len(history) <= max_iterations and _improves(history):
-        image = apply(direction)
-        step = column_ratio(power, column_dot(direction, image), operator.dtype)
-        solution = solution + step * direction
-        residual = residual - step * image
+        vectors.image(image, direction)
+        step = column_ratio(power, vectors.products(direction, image).sum(axis=0), np.float64)
+        vectors.add(solution, step, direction)
+        vectors.add(residual, -step, image)
         if coarse is not None:
             # Rounding puts a little of W back into the residual, and without this it grows without bound.
-            correction, its_image = coarse.remove(residual)
-            solution = solution + correction
-            residual = residual - its_image
-        fresh = column_dot(residual, residual)
-        direction = residual + column_ratio(fresh, power, operator.dtype) * direction
+            coarse.remove(residual, solution)
+        fresh, size = measured()
+        vectors.turn(direction, column_ratio(fresh, power, np.float64), residual)
         if coarse is not None:
-            direction = direction - coarse.project(direction)
+            coarse.project(direction, direction)
         power = fresh
-        history.append(measure(residual, solution))
-        if history[-1] <= min(history):
-            best = solution
-        watch(history[-1], solution)
+        history.append(size)
+        if size <= min(history):
+            vectors.assign(best, solution)
+        watch(size, solution)
     return best, history
 
 

@@ -10,6 +10,7 @@ from scipy.sparse import csr_array
 from scipy.sparse.csgraph import connected_components
 
 from hradiosity.device import Device
+from hradiosity.device.device import DeviceArray
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Columns
 from hradiosity.transport.link_exchange import LinkExchange
@@ -41,6 +42,7 @@ class LinkOperator(ExchangeOperator):
         self.root_area = root.astype(dtype)
         self.inverse_root_area = self._inverse_root.astype(dtype)
         self.component = _components(exchange)
+        self.linked = area > 0.0
         self._levels = [(int(a), int(b)) for a, b in zip(nodes.level_start[1:-1], nodes.level_start[2:])]
         self._n_nodes = len(nodes)
         own = np.divide(exchange.own, area, out=np.zeros_like(area), where=area > 0.0)
@@ -59,14 +61,16 @@ class LinkOperator(ExchangeOperator):
 
     def apply(self, columns: Columns) -> Columns:
         """S times the columns, (n_rows, 8 n)."""
-        self.products += 1
         if self.dtype is np.float64:
+            self.products += 1
             return self.apply_vector(np.asarray(columns, np.float64))
+        return super().apply(columns)
+
+    def _multiply(self, columns: DeviceArray, product: DeviceArray) -> None:
         device, groups = self.device, columns.shape[1] // 8
-        given = device.upload(columns, np.float32)
         pulled, gathered = (device.empty((self._n_nodes, 8 * groups), np.float32) for _ in range(2))
         device.kernel("levels", "pull_rows", HR_GROUPS=groups)(
-            self.n_rows * groups, weight=self._weight, columns=given, pulled=pulled
+            self.n_rows * groups, weight=self._weight, columns=columns, pulled=pulled
         )
         for first, last in self._levels:
             device.kernel("levels", "pull_nodes", HR_GROUPS=groups)(
@@ -75,18 +79,15 @@ class LinkOperator(ExchangeOperator):
         device.kernel("columns", "apply_links", HR_GROUPS=groups)(
             self._n_nodes, **self.links, columns=pulled, product=gathered
         )
-        product = device.empty(columns.shape, np.float32)
         device.kernel("levels", "push_rows", HR_GROUPS=groups)(
             self.n_rows * groups,
             parent=self._parent,
             weight=self._weight,
             own=self._own,
-            columns=given,
+            columns=columns,
             gathered=gathered,
             product=product,
         )
-        fetched: Columns = device.fetch(product)
-        return fetched
 
     def rows(self, numbers: NDArray[np.int64]) -> csr_array:
         """Some rows of S, (k, n_rows) float64."""
