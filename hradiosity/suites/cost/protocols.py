@@ -12,20 +12,6 @@ from hradiosity.suites.cost.settings import Setting
 from hradiosity.suites.cost.values import Run
 
 
-class StartedRun(Protocol):
-    """A setting whose plan is made."""
-
-    @property
-    def plan(self) -> Plan:
-        """What it will do."""
-        ...
-
-    @property
-    def predicted(self) -> float | None:
-        """Wall seconds until it is done."""
-        ...
-
-
 class Reference(Protocol):
     """See `hradiosity.suites.cost.reference.GrowingReference`."""
 
