@@ -59,10 +59,6 @@ class Elements:
     def __len__(self) -> int:
         return len(self.area)
 
-    def cells_of_rows(self, per_row: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Values of rows, shape (n_rows, …), spread to the cells (n_cells, …)."""
-        return per_row[self.cell_row]
-
 
 def build_elements(
     patches: Patches,
