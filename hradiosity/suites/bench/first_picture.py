@@ -9,10 +9,7 @@ from pathlib import Path
 
 from hradiosity.device import Device
 from hradiosity.io.scene_toml import load_scene
-from hradiosity.options import Options
-from hradiosity.radiosity import make_solver
 from hradiosity.show.first_picture import write_first_picture
-from hradiosity.show.preview import Preview
 
 
 def main() -> None:
@@ -22,6 +19,11 @@ def main() -> None:
     device = Device()
     write_first_picture(scene, device, picture)
     moments = {"guessed": time.time()}
+    # As in a run, the solver is loaded once that picture is there.
+    from hradiosity.options import Options
+    from hradiosity.radiosity import make_solver
+    from hradiosity.show.preview import Preview
+
     solver = make_solver(scene, Options(pictures=True), device)
     for _ in solver.states():
         if solver.replicates:
