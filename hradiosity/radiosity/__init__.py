@@ -12,6 +12,7 @@ from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.radiosity.state import State
 from hradiosity.solution import Solution
+from hradiosity.space.parted import part_back_to_back
 
 __all__ = ["RadiositySolver", "State", "compare", "make_solver", "solve"]
 
@@ -23,6 +24,7 @@ def make_solver(
     calibration: Calibration | ClassicCalibration | None = None,
 ) -> RadiositySolver:
     """The solver that the mode, the links and the form factors of the options name; all are used alike."""
+    scene = part_back_to_back(scene)
     if options.mode == "classic":
         _refuse_variants(scene)
         from hradiosity.radiosity.classic import ClassicSolver

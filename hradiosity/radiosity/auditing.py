@@ -19,6 +19,7 @@ from hradiosity.readings.path_scene import RefereeScene, prepare_referee
 from hradiosity.readings.paths import SCRAMBLES
 from hradiosity.solution import Solution
 from hradiosity.space.bvh_build import build_bvh
+from hradiosity.space.parted import part_back_to_back
 from hradiosity.transport.device_scene import upload_scene
 
 RAYS_SHARE: Final = 0.16
@@ -134,7 +135,7 @@ class Auditor:
 
     def __init__(self, scene: Scene, solution: Solution, device: Device) -> None:
         self.cpu_seconds = 0.0
-        self._scene, self._solution, self._device = scene, solution, device
+        self._scene, self._solution, self._device = part_back_to_back(scene), solution, device
         self._most_rays = most_rays(solution)
         self._run_seed = int(solution.record["options"]["seed"])
         self._sensor = np.repeat(np.arange(len(solution.readings)), [len(r) for r in solution.readings.values()])

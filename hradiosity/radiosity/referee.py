@@ -15,6 +15,7 @@ from hradiosity.readings.path_scene import prepare_referee
 from hradiosity.readings.paths import PathTotals, RefereeSamples, rounds, trace_round
 from hradiosity.solution import Readings
 from hradiosity.space.bvh_build import build_bvh
+from hradiosity.space.parted import part_back_to_back
 from hradiosity.transport.device_scene import upload_scene
 
 
@@ -53,6 +54,7 @@ class Referee:
     def __init__(self, scene: Scene, device: Device, paths_per_reading: int, seed: int = 0) -> None:
         if paths_per_reading < 1:
             raise ValueError(f"paths_per_reading must be at least 1, is {paths_per_reading}")
+        scene = part_back_to_back(scene)
         self.scene, self.device, self.seed = scene, device, seed
         self.cpu_seconds = 0.0
         self._wanted = paths_per_reading

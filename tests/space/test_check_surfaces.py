@@ -56,8 +56,8 @@ def test_faces_twice(device, tmp_path):
     ("material", "kind", "severity"),
     [
         ("paint", "sheet-modelled-twice", "info"),
-        ("other", "coincident-back-to-back", "warning"),
-        ("shield", "coincident-back-to-back", "warning"),
+        ("other", "coincident-back-to-back", "info"),
+        ("shield", "coincident-back-to-back", "info"),
     ],
 )
 def test_a_sheet_of_two_faces_matters_when_they_differ(device, tmp_path, material, kind, severity):

@@ -51,10 +51,10 @@ WORDS = {
     ),
     CONTRARY: _Words(
         "coincident-back-to-back",
-        "warning",
+        "info",
         "lie in one plane back to back and differ",
-        "rays meet only one of them from both sides, so one side has the wrong paint or light",
-        "give the wall a thickness, or keep one two-sided face",
+        "a run moves each a few millionths of the scene to the side of its own object, or to where it faces",
+        "if that is the wrong side: give the wall a thickness",
     ),
     SHEET: _Words(
         "sheet-modelled-twice",
