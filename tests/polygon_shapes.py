@@ -23,6 +23,11 @@ def catalogue_polygons():
     return a, b, np.array([float(entry["F12"]) for entry in PAIRS])
 
 
+def perimeter(polygon):
+    """Length of all edges of a polygon (k, 3)."""
+    return np.linalg.norm(np.roll(polygon, -1, axis=0) - polygon, axis=1).sum()
+
+
 def facing_square(gap, shift=(0.0, 0.0), side=1.0):
     """A square that looks down on the unit square."""
     return (SQUARE[::-1] * side) + [*shift, gap]

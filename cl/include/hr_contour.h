@@ -18,7 +18,10 @@ typedef struct {
     uint n_near; /* nodes of the rule for edges at least half a length apart, first in the arrays */
     uint n_far;  /* nodes of the rule for edges further apart than 1.5 lengths, next */
     uint n_fine; /* nodes of the double-exponential rule, next; every second one belongs to the coarser one */
-    double near_error; /* relative error of the first two rules */
+    double near_error;     /* error of the first two rules, over the product of the edges' lengths */
+    double coarser_weight; /* what twice the weights of the coarser one is to be multiplied by, so that they add up to 1 */
+    double crowded_error;  /* error of the double-exponential rule over the root of its difference from the coarser one,
+                              both over the product of the lengths */
 } hr_rules;
 
 /* integral of ln|p - q| dq over the edge from q0 along the unit vector v, for four points p at a time. Written about the
@@ -121,8 +124,16 @@ inline double hr_crowded_piece(const double3 p0, const double3 u, const double l
         even += weight[k] * (value.x + value.y);
         odd += weight[k + 1] * (value.z + value.w);
     }
-    *coarse = 2.0 * even * length;
+    *coarse = 2.0 * even * rules.coarser_weight * length;
     return (even + odd) * length;
+}
+
+/* Error of the rule from what half the nodes change, both over the size of the integral. Places near an end from which
+   on the integrand is no longer analytic, a common corner of edges at a small angle above all, leave few digits to either
+   rule and many to none: the digits don't simply double. */
+HR_FORCE_INLINE double hr_crowded_error(const double change, const hr_rules rules)
+{
+    return hr_smaller_d(change, rules.crowded_error * sqrt(change));
 }
 
 /* Edges that come near each other: the first one is cut where the second one begins, ends, or is crossed. */
@@ -143,9 +154,8 @@ inline double hr_crowded_edges(const double3 p0, const double3 u, const double l
             continue;
         double coarse;
         const double fine = hr_crowded_piece(p0, u, at, to, q0, v, length_b, rules, &coarse);
-        /* Each halving of the step doubles the digits; three halves are taken as safe. */
-        const double relative = hr_magnitude_d(fine - coarse) / (to - at);
-        *error += (to - at) * relative * hr_smaller_d(1.0, sqrt(relative));
+        const double size = (to - at) * length_b;
+        *error += size * hr_crowded_error(hr_magnitude_d(fine - coarse) / size, rules);
         sum += fine;
         at = to;
     }
@@ -171,7 +181,7 @@ inline double hr_edge_pair(const double3 a0, const double3 u, const double lengt
     if (distance2 >= 2.25 * short2) {
         value = hr_smooth_piece(p0, along, short_length, q0, other, long_length, rules.node + rules.n_near,
                                 rules.weight + rules.n_near, rules.n_far);
-        *error = rules.near_error * hr_magnitude_d(value);
+        *error = rules.near_error * short_length * long_length;
     } else if (hr_dot_d(normal, normal) < HR_PARALLEL * HR_PARALLEL) {
         const double3 r = q0 - p0;
         const double3 off = hr_cross_d(r, along);
@@ -181,7 +191,7 @@ inline double hr_edge_pair(const double3 a0, const double3 u, const double lengt
     } else if (distance2 >= 0.25 * short2) {
         value = hr_smooth_piece(p0, along, short_length, q0, other, long_length, rules.node, rules.weight,
                                 rules.n_near);
-        *error = rules.near_error * hr_magnitude_d(value);
+        *error = rules.near_error * short_length * long_length;
     } else {
         value = hr_crowded_edges(p0, along, short_length, q0, other, long_length, crossing, rules, error);
     }

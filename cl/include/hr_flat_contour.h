@@ -50,7 +50,7 @@ inline double hr_bend_edge(const double3 p, const double3 q0, const double3 v, c
             odd += weight[k + 1] * (value.z + value.w);
         }
         fine += (high - low) * (even + odd);
-        rough += (high - low) * 2.0 * even;
+        rough += (high - low) * 2.0 * rules.coarser_weight * even;
     }
     *coarse = rough;
     return fine;
@@ -87,7 +87,7 @@ inline double hr_bend_piece(const double3 p0, const double3 u, const double low,
         double inner_coarse;
         fine += weight[k / 2] * hr_bend_edge(p, q0, v, q, rules, &inner_coarse);
         if (k / 2 % 2 == 0)
-            rough += 2.0 * weight[k / 2] * inner_coarse;
+            rough += 2.0 * rules.coarser_weight * weight[k / 2] * inner_coarse;
     }
     *coarse = rough * (high - low);
     return fine * (high - low);

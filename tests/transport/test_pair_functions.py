@@ -27,15 +27,15 @@ EDGES = {
     "far": ((0, 0, 0), (1, 0, 0), (20, 3, 1), (20.5, 4, 2)),
 }
 EDGE_CALL = (
-    "({ const hr_rules rules = {in_node, in_weight, 8, 4, 26, 1e-12}; double error, magnitude = 0.0;"
+    "({ const hr_rules rules = {in_node, in_weight, 8, 4, 26, 1e-12, 1.0, 1e-6}; double error, magnitude = 0.0;"
     " const double sum = hr_edge_pair(a, u, la, b, v, lb, rules, &error, &magnitude); (double2)(sum, error); })"
 )
 
 
 def edge_sums(device, edges):
     """hr_edge_pair and its error estimate for edges (n, 4, 3), n at most 38."""
-    rules = [gauss(16), gauss(8), double_exponential(0.125)]
-    node, weight = (np.concatenate([*[r[k][:n] for r, n in zip(rules, (8, 4, 25))], [0.0]]) for k in (0, 1))
+    rules = [gauss(16), gauss(8), double_exponential(0.125, 3.125)]
+    node, weight = (np.concatenate([r[k][:n] for r, n in zip(rules, (8, 4, 26))]) for k in (0, 1))
     rows = np.resize(edges, (len(node), 4, 3))
     u, v = rows[:, 1] - rows[:, 0], rows[:, 3] - rows[:, 2]
     la, lb = (np.linalg.norm(edge, axis=1) for edge in (u, v))
@@ -169,7 +169,8 @@ def test_surface_rules_integrate_polynomials():
 
 def test_double_exponential_rule():
     """Integral of x^(-1/2) on [0, 1] is 2; of ln x, -1."""
-    node, weight = double_exponential(0.125)
+    node, weight = double_exponential(0.125, 3.125)
+    assert weight.sum() == pytest.approx(0.5, rel=1e-15)
     for f, exact in ((lambda x: np.log(x), -1.0), (lambda x: x * np.log(x), -0.25)):
         assert (weight * (f(node) + f(1.0 - node))).sum() == pytest.approx(exact, rel=1e-11)
     assert 2.0 * (2.0 * weight[::2]).sum() == pytest.approx(1.0, rel=1e-10)

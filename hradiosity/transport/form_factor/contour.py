@@ -16,9 +16,17 @@ from numpy.typing import NDArray
 from hradiosity.transport.form_factor.pairs import Estimate, Pairs
 from hradiosity.transport.form_factor.quadrature import double_exponential, gauss
 
-LEVELS: Final = ((8, 4, 0.5, 1e-6), (16, 8, 0.25, 1e-12), (16, 8, 0.125, 1e-12), (16, 8, 0.0625, 1e-12))
-"""Gauss points on edges half a length apart and 1.5 lengths apart, step of the double-exponential rule, and relative
-error of the Gauss rules: their ellipse of convergence gives less than that."""
+LEVELS: Final = (
+    (8, 4, 0.25, 1e-6, 2e-5),
+    (16, 8, 0.25, 1e-12, 2e-5),
+    (16, 8, 0.125, 1e-12, 1e-6),
+    (24, 12, 0.0625, 1e-16, 1e-8),
+)
+"""Gauss points on edges half a length apart and 1.5 lengths apart, step of the double-exponential rule, error of the
+Gauss rules (their ellipse of convergence gives less than that), and that of the double-exponential one over the root of
+the change by the last halving. In 98 to 100 % of pairs of edges that touch, cross or come near each other at all angles
+it was less, whatever their gap."""
+DOUBLE_EXPONENTIAL_REACH: Final = 3.0
 FLAT_COSINE: Final = 0.9
 """Cosine between the normals of polygons from which on they lie nearly in one plane."""
 
@@ -69,8 +77,10 @@ def refined_exchange(pairs: Pairs, kernel: str, tolerance: float) -> tuple[Estim
 
 def _at_level(pairs: Pairs, kernel: str, level: int) -> tuple[Estimate, NDArray[np.float64]]:
     """A F with the error of the quadrature, and the rounding error, (n_pairs,) [m²]."""
-    near, far, step, near_error = LEVELS[level]
-    rules = [_even(*_lower_half(near)), _even(*_lower_half(far)), _even(*double_exponential(step))]
+    near, far, step, near_error, crowded_error = LEVELS[level]
+    # One step further than the reach: kernels take two nodes at a time, and this makes their number even.
+    crowded = double_exponential(step, DOUBLE_EXPONENTIAL_REACH + step)
+    rules = [_lower_half(near), _lower_half(far), crowded]
     node, weight = (np.concatenate(column) for column in zip(*rules))
     device = pairs.device
     exchange, error, rounding = pairs.results(3)
@@ -84,6 +94,8 @@ def _at_level(pairs: Pairs, kernel: str, level: int) -> tuple[Estimate, NDArray[
         n_far=len(rules[1][0]),
         n_fine=len(rules[2][0]),
         near_error=near_error,
+        coarser_weight=0.25 / crowded[1][::2].sum(),
+        crowded_error=crowded_error,
         exchange=exchange,
         error=error,
         rounding=rounding,
@@ -94,10 +106,3 @@ def _at_level(pairs: Pairs, kernel: str, level: int) -> tuple[Estimate, NDArray[
 def _lower_half(order: int) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     node, weight = gauss(order)
     return node[: order // 2], weight[: order // 2]
-
-
-def _even(node: NDArray[np.float64], weight: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Kernels take two nodes at a time; the one that is added has no weight."""
-    if len(node) % 2 == 0:
-        return node, weight
-    return np.append(node, 0.25), np.append(weight, 0.0)

@@ -127,7 +127,7 @@ def polygon_set(corners: NDArray[np.float64], count: NDArray[Any], labels: Seque
     middle = local.mean(axis=1, keepdims=True)
     about = local - middle
     after = np.roll(about, -1, axis=1)
-    area_vector = 0.5 * np.cross(about, after).sum(axis=1)
+    area_vector = _area_vector(local)
     area = np.linalg.norm(area_vector, axis=1)
     size = np.linalg.norm(about, axis=2).max(axis=1, initial=0.0)
     flat = ~(area > _NO_AREA * size**2)
@@ -141,6 +141,21 @@ def polygon_set(corners: NDArray[np.float64], count: NDArray[Any], labels: Seque
     centre = middle[:, 0] + _centroid(about, normal)
     radius = np.linalg.norm(local - centre[:, None], axis=2).max(axis=1, initial=0.0)
     return PolygonSet(local, count.astype(np.uint32), normal, centre, area, radius, local_origin)
+
+
+def _area_vector(corners: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Normal times area [m²], with all digits even for slivers.
+
+    A fan of triangles about the first corner, of each the two shorter sides: the product of two long ones that are
+    nearly parallel leaves a normal so crooked that a common edge seems to lie in front of the plane, and is cut off.
+    """
+    first, second = corners[:, 1:-1], corners[:, 2:]
+    apex = np.broadcast_to(corners[:, :1], first.shape)
+    side = np.stack([first - apex, second - first, apex - second])
+    longest = np.linalg.norm(side, axis=3).argmax(axis=0)[None, ..., None]
+    one, other = (np.take_along_axis(side, (longest + k) % 3, axis=0)[0] for k in (1, 2))
+    area_vector: NDArray[np.float64] = 0.5 * np.cross(one, other).sum(axis=1)
+    return area_vector
 
 
 def _local_origin(corners: NDArray[np.float64]) -> NDArray[np.float64]:
