@@ -11,6 +11,8 @@ from rooms import SceneBuilder, cube
 from scene_writing import OPEN_ROOM, faults, load, warnings
 
 from hradiosity import Options, form_factor, load_scene, solve
+from hradiosity.cli import main
+from hradiosity.errors import SceneError
 from hradiosity.reference.pair_factors import area_pair
 from hradiosity.reference.point_factors import point_to_patch, points_to_polygon
 
@@ -178,33 +180,50 @@ TURNED_IDS = ["15-none", "15-one", "15-two", "15-all"]
 @pytest.mark.parametrize("turned", TURNED, ids=TURNED_IDS)
 def test_case_15_reversed_faces_are_listed_where_they_matter(device, tmp_path, turned):
     """One-sided paints are black behind: each reversed face is named with its area. Two-sided ones need no word."""
-    found = of_kind(findings(device, tmp_path, room_of_walls(turned, "shield")), "black-back")
+    found = of_kind(findings(device, tmp_path, room_of_walls(turned, "shield")), "reversed-faces")
     assert sorted(finding.object for finding in found) == sorted(turned)
     for finding in found:
         area = np.linalg.norm(np.cross(*WALLS[finding.object][1:]))
-        assert f"light reaches {area:g} m² of the back of '{finding.object}'" in finding.message
+        assert finding.severity == "fault" and f"1 face of '{finding.object}' ({area:g} m²)" in finding.message
         assert "turn the faces round" in finding.fix
     assert grave(findings(device, tmp_path, room_of_walls(turned, "paint"))) == []
 
 
 def test_case_15_what_reversed_faces_do_to_the_light(device, tmp_path):
-    """Two-sided: nothing. One-sided, all of them: only the direct light of the lamp is left, by Lambert's formula."""
+    """Two-sided: nothing. One-sided: the run is refused and names each of them, and a mended copy reads right."""
 
-    def read(turned, material):
-        (tmp_path / "scene.toml").write_text(room_of_walls(turned, material))
-        scene = load_scene(tmp_path / "scene.toml")
-        readings = solve(scene, Options(elements=1500, gather_samples=2048), device).readings["desk"]
-        return scene, readings.irradiance[:, 0], readings.half_width[:, 0]
+    def read(folder):
+        readings = solve(load_scene(folder / "scene.toml"), Options(elements=1500, gather_samples=2048), device)
+        return readings.readings["desk"].irradiance[:, 0], readings.readings["desk"].half_width[:, 0]
 
-    scene, right, width = read((), "paint")
-    _, turned, turned_width = read(tuple(WALLS), "paint")
+    def written(name, turned, material):
+        folder = tmp_path / name
+        folder.mkdir()
+        (folder / "scene.toml").write_text(room_of_walls(turned, material))
+        return folder
+
+    right, width = read(written("right", (), "paint"))
+    turned, turned_width = read(written("turned", tuple(WALLS), "paint"))
     assert (np.abs(turned - right) < 2.5 * np.hypot(width, turned_width) + 2e-3 * right).all()
-    _, black, _ = read(tuple(WALLS), "shield")
-    panel = np.array([[1.5, 1.0, 2.3], [1.5, 1.5, 2.3], [2.0, 1.5, 2.3], [2.0, 1.0, 2.3]])
-    (lamp,) = scene.luminaires
-    places = np.array([(1.0, 1.0, 0.7), (2.0, 1.5, 1.0)])
-    direct = lamp.exitance[0] * points_to_polygon(places, np.tile(UP, (2, 1)), panel)
-    np.testing.assert_allclose(black, direct, rtol=1e-5)
+    wrong = written("wrong", ("floor", "north"), "shield")
+    with pytest.raises(SceneError) as refused:
+        read(wrong)
+    assert [fault.entry for fault in refused.value.faults] == ["floor", "north"]
+    assert all("light on their back" in fault.found for fault in refused.value.faults)
+    assert main(["check", str(wrong), "--repair", str(tmp_path / "mended")]) == 0
+    black_outside, mended = read(written("one-sided", (), "shield")), read(tmp_path / "mended")
+    np.testing.assert_array_equal(mended, black_outside)
+
+
+def test_case_15_a_small_reversed_face_is_no_more_than_a_warning(device, tmp_path):
+    """Below a hundredth of the surfaces the run goes on; so it does where the front is in the light as well."""
+    text = room_of_walls((), "paint") + box("post", (3.5, 0.5, 0.5), (0.4, 2.0, 1.0))
+    for side, kind in ((0.4, "black-back"), (1.0, "reversed-faces")):
+        note = rectangle("note", (3.5, 1, 0.5), (0, side, 0), (0, 0, side), material="shield")
+        assert next(f.kind for f in findings(device, tmp_path, text + note) if f.object == "note") == kind
+    screen = rectangle("screen", (2.7, 1, 0.2), (0, 1, 0), (0, 0, 1), material="shield")
+    found = findings(device, tmp_path, text + screen)
+    assert [(f.kind, f.object) for f in found if f.severity != "info"] == [("black-back", "screen")]
 
 
 def test_case_15_a_room_that_is_a_solid_is_refused(device, tmp_path):

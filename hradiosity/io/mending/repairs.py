@@ -52,10 +52,13 @@ def repairs(subject: Subject, findings: Sequence[Finding]) -> Iterator[Repair]:
     """Changes for all findings that can be mended, those that leave something out first."""
     yield from _coincident(subject)
     for finding in findings:
-        if finding.kind == "inside-out" or (finding.kind == "lamp-turned-away" and _is_sheet(subject, finding.object)):
+        turned_lamp = finding.kind == "lamp-turned-away" and _is_sheet(subject, finding.object)
+        if finding.kind in ("inside-out", "reversed-faces") or turned_lamp:
             own = _local(subject, finding.object, np.array(finding.patches, dtype=np.int64))
-            done = f"turned the faces of '{finding.object}' round"
-            change = partial(_turn, name=finding.object, patches=own)
+            total = int(np.count_nonzero(subject.scene.patches.object == subject.scene.objects.index(finding.object)))
+            what = "the" if len(own) == total else f"{len(own)} of the {total}"
+            done = f"turned {what} faces of '{finding.object}' round"
+            change = partial(_turn, name=finding.object, patches=own, total=total)
             yield Repair(finding.kind, (finding.object,), done, change)
     for finding in findings:
         if finding.kind in ("open-body", "leak", "sliver"):
@@ -133,8 +136,10 @@ def _moved(subject: Subject, pairs: Coplanar, rows: NDArray[np.int64], kind: int
     return Repair(WORDS[kind].kind, (names[0], names[1]), done, apply)
 
 
-def _turn(scene: SceneCopy, *, name: str, patches: NDArray[np.int64]) -> str:
+def _turn(scene: SceneCopy, *, name: str, patches: NDArray[np.int64], total: int) -> str:
     """Let faces of an object look the other way."""
+    if len(patches) < total and not scene.is_mesh(name):
+        raise CannotMend("only some of its faces look the wrong way")
     scene.turn(name, patches)
     return name
 

@@ -11,12 +11,17 @@ from hradiosity.model.geometry import BACK, FRONT, NONE
 from hradiosity.model.solids import find_solids
 from hradiosity.model.welding import weld
 from hradiosity.space.check.finding import Finding, at, numbers
+from hradiosity.space.check.probe import LIT, cosine_directions, outcome_of, points_on, trace
 from hradiosity.space.check.subject import Subject
 
 _LEAST_FACES = 4
 _MOST_OPEN = 1.0 / 3.0
 """Share of edges without neighbour up to which an object is taken for a body with a hole, not for a few sheets."""
 _WELD = 2e-6
+_RAYS, _STREAM = 64, 15
+"""Rays from the front of a face that seems to look the wrong way."""
+_COUNTS = 0.01
+"""Share of a space's surfaces from which on faces that look the wrong way are a fault: that much of its reflections."""
 
 
 def shell_findings(subject: Subject) -> Iterator[Finding]:
@@ -110,24 +115,82 @@ def _bulge(subject: Subject, patch: NDArray[np.int64], owner: NDArray[np.int32],
 
 
 def _black_backs(subject: Subject) -> Iterator[Finding]:
-    """One-sided materials whose black back is in the light."""
+    """One-sided materials whose black back is in the light; a fault where their fronts are in the dark and it counts.
+
+    Then the paint is never seen: the faces look the wrong way.
+    """
     seen = subject.lit.lit[:, BACK] & ~subject.reflects_behind
-    patch = np.flatnonzero(seen)
-    owner = subject.scene.patches.object[patch]
-    for number in np.unique(owner):
-        mine = patch[owner == number]
-        worst = int(mine[subject.area[mine].argmax()])
-        name, place, area = subject.scene.objects[number], subject.centroid[worst], subject.area[mine]
-        material = subject.scene.materials[int(subject.scene.patches.material[worst])].name
-        yield Finding(
-            "black-back",
-            "warning",
-            name,
-            place,
-            float(np.sqrt(area.sum())),
-            f"light reaches {area.sum():.3g} m² of the back of '{name}' at {at(place)}, and its material '{material}' "
-            "is one-sided",
-            "the back is black and absorbs that light",
-            "turn the faces round, or make the material two-sided",
-            numbers(mine),
-        )
+    reversed_ = seen & ~subject.lit.lit[:, FRONT]
+    reversed_[np.flatnonzero(reversed_)] = _front_in_the_dark(subject, np.flatnonzero(reversed_))
+    reversed_ &= _share_of_space(subject, reversed_) >= _COUNTS
+    owner = subject.scene.patches.object
+    for faces, finding in ((reversed_, _reversed), (seen & ~reversed_, _black_back)):
+        patch = np.flatnonzero(faces)
+        for number in np.unique(owner[patch]):
+            yield finding(subject, patch[owner[patch] == number])
+
+
+def _front_in_the_dark(subject: Subject, patch: NDArray[np.int64]) -> NDArray[np.bool_]:
+    """Whether no ray from the front of a patch meets a lit side, by more rays than the lit sides are found with."""
+    rng = subject.random(_STREAM)
+    start = points_on(subject, np.repeat(patch, _RAYS), rng) + subject.offset * np.repeat(
+        subject.normal[patch], _RAYS, axis=0
+    )
+    way = cosine_directions(rng, subject.normal[patch], _RAYS).reshape(-1, 3)
+    hits = trace(subject, start, way, np.repeat(patch, _RAYS).astype(np.int32))
+    return np.asarray((outcome_of(subject, hits, way) != LIT).reshape(-1, _RAYS).all(axis=1))
+
+
+def _share_of_space(subject: Subject, patches: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(n,) which share of the lit area of the space behind each patch the marked patches have with their backs."""
+    space = subject.lit.space
+    n = len(subject.lit.open)
+    sides = space >= 0
+    total = np.bincount(space[sides], np.broadcast_to(subject.area[:, None], space.shape)[sides], n)
+    marked = patches & sides[:, BACK]
+    own = np.bincount(space[marked, BACK], subject.area[marked], n)
+    share = np.divide(own, total, out=np.zeros(n), where=total > 0.0)
+    return np.where(sides[:, BACK], np.append(share, 0.0)[space[:, BACK]], 0.0)
+
+
+def _reversed(subject: Subject, faces: NDArray[np.int64]) -> Finding:
+    """Faces of one object that look the wrong way."""
+    name, place, material, area = _largest(subject, faces)
+    count = "1 face" if len(faces) == 1 else f"{len(faces)} faces"
+    return Finding(
+        "reversed-faces",
+        "fault",
+        name,
+        place,
+        float(np.sqrt(area)),
+        f"{count} of '{name}' ({area:.3g} m²), the largest at {at(place)}, have the one-sided material '{material}' on "
+        "their front, which is in the dark, and light on their back",
+        "their paint would never be seen, and their backs are black",
+        "turn the faces round (check --repair does), or make the material two-sided",
+        numbers(faces),
+    )
+
+
+def _black_back(subject: Subject, faces: NDArray[np.int64]) -> Finding:
+    """Faces of one object whose back is seen as well."""
+    name, place, material, area = _largest(subject, faces)
+    return Finding(
+        "black-back",
+        "warning",
+        name,
+        place,
+        float(np.sqrt(area)),
+        f"light reaches {area:.3g} m² of the back of '{name}' at {at(place)}, and its material '{material}' "
+        "is one-sided",
+        "the back is black and absorbs that light",
+        "turn the faces round, or make the material two-sided",
+        numbers(faces),
+    )
+
+
+def _largest(subject: Subject, faces: NDArray[np.int64]) -> tuple[str, NDArray[np.float64], str, float]:
+    """Object, place and material of the largest of some faces, and the area of all."""
+    area = subject.area[faces]
+    worst = int(faces[area.argmax()])
+    material = subject.scene.materials[int(subject.scene.patches.material[worst])].name
+    return subject.name(worst), subject.centroid[worst], material, float(area.sum())
