@@ -92,6 +92,8 @@ def test_debug_shows_where_it_was_noticed(tmp_path, call):
         (("--seed", "-1"), "seed must lie between 0"),
         (("--seed", str(2**32)), "seed must lie between 0"),
         (("--referee", "0"), "referee must be at least 1"),
+        (("--lookup", "7"), "lookup must be"),
+        (("--replicates", "90", "--gather-samples", "60"), "gather-samples must be at least the 90 replicates"),
         (("--occlusion", "maybe"), "on"),
         (("--form-factors", "spheres"), "quasi-hemisphere"),
         (("--form-factors", "contour", "--mode", "classic"), "form-factors must be hemicube in the classic mode"),
