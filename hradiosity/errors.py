@@ -3,6 +3,9 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+LONGEST_FOUND, LONGEST_EXPECTED = 300, 1200
+"""Letters of a fault that are shown; what is expected may be a list of names."""
+
 
 @dataclass(frozen=True)
 class Fault:
@@ -20,8 +23,18 @@ class Fault:
     expected: str
 
     def __str__(self) -> str:
-        place = f"{self.file}: {self.entry}" if self.entry else self.file
-        return f"{place}: {self.found}; {self.expected}" if self.expected else f"{place}: {self.found}"
+        entry, found = _shortened(self.entry, LONGEST_FOUND), _shortened(self.found, LONGEST_FOUND)
+        expected = _shortened(self.expected, LONGEST_EXPECTED)
+        place = f"{self.file}: {entry}" if entry else self.file
+        return f"{place}: {found}; {expected}" if expected else f"{place}: {found}"
+
+
+def _shortened(text: str, longest: int) -> str:
+    """Both ends of what is too long to be read: a damaged file may hold words of thousands of letters."""
+    if len(text) <= longest:
+        return text
+    half = longest // 2 - 20
+    return f"{text[:half]} [… {len(text)} characters …] {text[-half:]}"
 
 
 class HradiosityError(Exception):

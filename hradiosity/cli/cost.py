@@ -60,7 +60,7 @@ def cost(
         One JSON object a line on standard output in place of words.
     """
     from hradiosity.cli.display import JsonDisplay
-    from hradiosity.cli.interrupts import termination_interrupts
+    from hradiosity.cli.interrupts import held_back, termination_interrupts
     from hradiosity.cli.render import name_of
     from hradiosity.device import Device
     from hradiosity.io.output_folder import close_partial, open_partial
@@ -75,8 +75,11 @@ def cost(
     folder = (out if out is not None else Path("results") / f"{name_of(scene)}-cost").resolve()
     opened, display = Device(device), JsonDisplay() if json else _plain(quiet=quiet)
     with locked(folder):
-        partial = open_partial(folder)
+        with held_back() as came:
+            partial = open_partial(folder)
         try:
+            if came:
+                raise KeyboardInterrupt
             with termination_interrupts(), display:
                 kept = load_samples(folder / REFEREE_FILE, scene_digest(loaded), SEED, 1)
                 bench = SceneBench(replace(loaded, variants=()), opened, kept)

@@ -10,7 +10,7 @@ from contextlib import suppress
 from typing import TYPE_CHECKING
 
 from hradiosity.cli.display import open_display
-from hradiosity.cli.interrupts import termination_interrupts
+from hradiosity.cli.interrupts import held_back, termination_interrupts
 from hradiosity.cli.request import PREVIEW, Request, Run
 from hradiosity.device import Device
 from hradiosity.errors import OutputError
@@ -37,10 +37,13 @@ def run(request: Request) -> int:
     reading = time.perf_counter() - start
     out = request.out.resolve()
     with locked(out):
-        partial = open_partial(out, keep=request.outputs.resume)
+        with held_back() as came:
+            partial = open_partial(out, keep=request.outputs.resume)
         taken_up = request.outputs.resume and (partial / CHECKPOINT_FILE).exists()
         computation: Computation | None = None
         try:
+            if came:
+                raise KeyboardInterrupt
             with termination_interrupts():
                 device = Device(request.device)
                 with open_display(quiet=request.outputs.quiet, json=request.outputs.json) as display:

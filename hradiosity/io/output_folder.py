@@ -114,6 +114,8 @@ def close_partial(out: Path) -> None:
 def publish(out: Path) -> None:
     """Let ``OUT.partial`` take the place of ``OUT``; its ``run.json`` must no longer say that it is running.
 
+    A live checkpoint goes first: the result holds one, too, and is whole without this one.
+
     Raises
     ------
     OutputError
@@ -121,6 +123,7 @@ def publish(out: Path) -> None:
     """
     partial, old = partial_of(out), old_of(out)
     try:
+        (partial / CHECKPOINT_FILE).unlink(missing_ok=True)
         if out.exists():
             out.rename(old)
         partial.rename(out)

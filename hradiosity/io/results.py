@@ -8,9 +8,8 @@ from typing import Any
 
 from numpy.typing import NDArray
 
-from hradiosity.errors import OutputError
 from hradiosity.io.checkpoint import MESH_FILE
-from hradiosity.io.output_folder import CHECKPOINT_FILE, RUN_FILE, reason, write_file
+from hradiosity.io.output_folder import RUN_FILE, write_file
 from hradiosity.io.results_mesh import mesh_file
 from hradiosity.io.results_tables import readings_table, spectra_table
 from hradiosity.io.results_variants import write_variants
@@ -42,7 +41,7 @@ def write_results(
 
 
 def write_run(folder: Path, solution: Solution, state: str, more: Mapping[str, Any]) -> None:
-    """Write ``run.json``, which says that the folder is whole, and drop the live checkpoint.
+    """Write ``run.json``, which says that the folder is whole.
 
     Parameters
     ----------
@@ -57,7 +56,3 @@ def write_run(folder: Path, solution: Solution, state: str, more: Mapping[str, A
         When it can't be written.
     """
     write_file(folder / RUN_FILE, (to_json(run_record(solution, state, more), indent=1) + "\n").encode())
-    try:
-        (folder / CHECKPOINT_FILE).unlink(missing_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder / CHECKPOINT_FILE} can't be deleted: {reason(error)}") from error

@@ -1,6 +1,6 @@
 """Whatever was done to a file, reading it gives a scene or faults of that file: no traceback, no hang, no dead program.
 
-Each file is damaged at random places by `mutated_files`, with the same random numbers in each run. PLY and STL go
+Each file is damaged at random places by `mutated_files`, with the same random numbers in each run. STL and pictures go
 through native code that damage may crash; so everything is read in a process of its own, as the program does, and a
 crash is counted. It must not be frequent, and reading must go on after it.
 """
@@ -126,7 +126,7 @@ FILES = {
     "picture.webp": picture("WEBP"),
 }
 FILES = {name: content.encode() if isinstance(content, str) else content for name, content in FILES.items()}
-NATIVE = (".ply", ".stl", ".png", ".jpg", ".tif", ".webp")
+NATIVE = (".stl", ".png", ".jpg", ".tif", ".webp")
 """Formats that native code reads."""
 
 

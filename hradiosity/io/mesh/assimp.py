@@ -1,4 +1,4 @@
-"""PLY and STL through assimp, which keeps coordinates in single precision (8 µm at 100 m from the origin)."""
+"""STL through assimp, which keeps coordinates in single precision (8 µm at 100 m from the origin)."""
 
 from pathlib import Path
 

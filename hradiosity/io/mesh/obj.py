@@ -9,8 +9,7 @@ from typing import Final, Literal
 import numpy as np
 
 from hradiosity.errors import Fault, SceneError
-from hradiosity.io.mesh.raw import PartLabel, RawMesh, Texture, triangulate_faces
-from hradiosity.model.polygons import WARP_WORTH_A_WARNING
+from hradiosity.io.mesh.raw import PartLabel, RawMesh, Texture, notes_on_faces, triangulate_faces
 from hradiosity.model.scene import Note
 
 _MOST_FAULTS: Final = 20
@@ -127,12 +126,7 @@ def _assemble(parser: _Parser) -> RawMesh:
     for what, number in parser.left_out.items():
         kind: Literal["warning", "info"] = "warning" if what == _SURFACES else "info"
         notes.append(Note(kind, place, f"{number} {what} left out: only faces are read"))
-    if cut.doubtful:
-        notes.append(Note("warning", place, f"{cut.doubtful} faces have crossing edges or no area; cut as fans"))
-    bent = int((cut.warp > WARP_WORTH_A_WARNING).sum())
-    if bent:
-        worst = f"in the worst one a corner is {100 * cut.warp.max():.2g} % of its size off"
-        notes.append(Note("warning", place, f"{bent} faces are not flat: {worst}; cut into triangles"))
+    notes += notes_on_faces(cut, place)
     part_of_face = renumber[np.array(parser.face_part, dtype=np.int64)[cut.face]]
     return RawMesh(vertices, cut.triangles, part_of_face, tuple(labels), tuple(notes))
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.model.polygons import planarity_defect, triangulate
+from hradiosity.model.polygons import WARP_WORTH_A_WARNING, planarity_defect, triangulate
 from hradiosity.model.scene import Note
 
 
@@ -105,6 +105,18 @@ def triangulate_faces(vertices: NDArray[np.float64], faces: Sequence[Sequence[in
     owner = np.concatenate(owners)
     order = np.argsort(owner, kind="stable")
     return CutFaces(np.concatenate(triangles)[order], owner[order], warp, doubtful)
+
+
+def notes_on_faces(cut: CutFaces, place: str) -> tuple[Note, ...]:
+    """What is worth knowing about faces that were cut."""
+    notes = []
+    if cut.doubtful:
+        notes.append(Note("warning", place, f"{cut.doubtful} faces have crossing edges or no area; cut as fans"))
+    bent = int((cut.warp > WARP_WORTH_A_WARNING).sum())
+    if bent:
+        worst = f"in the worst one a corner is {100 * cut.warp.max():.2g} % of its size off"
+        notes.append(Note("warning", place, f"{bent} faces are not flat: {worst}; cut into triangles"))
+    return tuple(notes)
 
 
 def _quad_warp(corner: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -18,6 +18,7 @@ from hradiosity.io.mesh.assimp import read_with_assimp
 from hradiosity.io.mesh.clean import clean
 from hradiosity.io.mesh.gltf import read_gltf
 from hradiosity.io.mesh.obj import read_obj
+from hradiosity.io.mesh.ply import read_ply
 from hradiosity.io.mesh.raw import PartLabel, RawMesh
 from hradiosity.io.mesh.recognise import check_content
 from hradiosity.io.mesh.texture import mean_colour
@@ -26,7 +27,7 @@ READERS: Final[dict[str, Callable[[Path], RawMesh]]] = {
     ".obj": read_obj,
     ".gltf": read_gltf,
     ".glb": read_gltf,
-    ".ply": read_with_assimp,
+    ".ply": read_ply,
     ".stl": read_with_assimp,
 }
 
