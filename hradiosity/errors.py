@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 LONGEST_FOUND, LONGEST_EXPECTED = 300, 1200
-"""Letters of a fault that are shown; what is expected may be a list of names."""
+"""Letters of a fault that are shown; paths are long, and what is expected may be a list of names."""
 
 
 @dataclass(frozen=True)
@@ -23,9 +23,9 @@ class Fault:
     expected: str
 
     def __str__(self) -> str:
-        entry, found = _shortened(self.entry, LONGEST_FOUND), _shortened(self.found, LONGEST_FOUND)
-        expected = _shortened(self.expected, LONGEST_EXPECTED)
-        place = f"{self.file}: {entry}" if entry else self.file
+        entry, found = (_shortened(text, LONGEST_FOUND) for text in (self.entry, self.found))
+        file, expected = (_shortened(text, LONGEST_EXPECTED) for text in (self.file, self.expected))
+        place = f"{file}: {entry}" if entry else file
         return f"{place}: {found}; {expected}" if expected else f"{place}: {found}"
 
 
