@@ -12,18 +12,20 @@ LinkKind = Literal["rows", "hierarchical"]
 FormFactorName = Literal[
     "rays", "hemicube", "point", "point-disk", "hemisphere", "quasi-hemisphere", "monte-carlo", "contour", "auto"
 ]
+Lookup = Literal[1, 2, 3]
 SolverName = Literal[
     "cg", "southwell", "overshooting", "jacobi", "gauss-seidel", "gaussian-elimination", "block-inversion", "auto"
 ]
 QUALITIES: Final = MappingProxyType(
     {
         "draft": {
-            "elements": 4000,
-            "gather_samples": 1024,
-            "light_samples": 512,
+            "elements": 3000,
+            "light_points": 16,
+            "gather_samples": 512,
+            "light_samples": 256,
         },
         "normal": {},
-        "fine": {"elements": 16000, "light_points": 32, "gather_samples": 16384, "light_samples": 2048},
+        "fine": {"elements": 16000, "light_points": 64, "gather_samples": 8192, "light_samples": 2048},
     }
 )
 """What each quality sets apart from the defaults; README tells what each costs."""
@@ -40,8 +42,8 @@ class Options:
     light_samples : shadow rays from a reading to each emitter, all replicates together; as many as to eight emitters in
         all where there are more of them
     gather_samples : paths from a reading, all replicates together
-    lookup : hit of a path at which the solution is looked up, 2 or 3; the third halves the error of coarse elements,
-        adds noise and costs about half as much again: more elements are the cheaper way
+    lookup : first hit of a path at which the solution may be looked up, 1, 2 or 3; later ones halve the error of coarse
+        elements, but double and triple the variance and the price of a path: more elements are the cheaper way
     replicates : independent runs whose spread gives the intervals, at least 2
     accuracy : wanted half width of the 95 % interval over the value, of each reading; more replicates, and larger ones
         on smaller elements, are added until it is reached: the other settings say where to start
@@ -71,10 +73,10 @@ class Options:
     elements: int = 8000
     element_size: float | None = None
     rays_per_element: int = 256
-    light_points: int = 16
+    light_points: int = 32
     light_samples: int = 1024
-    gather_samples: int = 4096
-    lookup: Literal[2, 3] = 2
+    gather_samples: int = 2048
+    lookup: Lookup = 1
     replicates: int = 8
     accuracy: float | None = None
     time: float | None = None
@@ -112,8 +114,8 @@ class Options:
                 raise ValueError(f"{name} must be at least {lowest}, is {getattr(self, name)}")
         if self.gather_samples < self.replicates:
             raise ValueError(f"gather_samples must be at least the {self.replicates} replicates")
-        if self.lookup not in (2, 3):
-            raise ValueError(f"lookup must be 2 or 3, is {self.lookup}")
+        if self.lookup not in get_args(Lookup):
+            raise ValueError(f"lookup must be 1, 2 or 3, is {self.lookup}")
         for name in ("accuracy", "time"):
             value = getattr(self, name)
             if value is not None and not value > 0.0:

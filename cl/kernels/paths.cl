@@ -88,8 +88,8 @@ HR_FORCE_INLINE float hr_light_on_ray(const float3 x, const float3 n, const floa
 }
 
 /* Paths of `path_number`: hits are lit explicitly until the solution is looked up, at the hit number `lookup` at the
-   earliest, and never at a hit nearer than `near_factor` sizes of its element: there one value for the whole element
-   is too coarse (corners, contacts, slots). Sides that no light was found to reach have no solution: there the path
+   earliest, and never at a hit nearer than `near_factor` sizes of its element, or `first_near_factor` at the first hit:
+   there one value for the whole element is too coarse (corners, contacts, slots). Sides that no light was found to reach have no solution: there the path
    goes on. A path that has no place left for a further lit hit is left out and marked
    HR_LONG, to be traced again with more places, or looks the solution up all the same if `last_chance` is set.
    With HR_GUIDED the first directions follow the light that was found before, and paths weigh accordingly. */
@@ -111,7 +111,7 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
                           __global uint *path_row,              /* (n_paths,) row, or an outcome                 */
                           __global float *path_weight,          /* (n_paths,) 1 over the density of its start    */
                           const uint n_samples, const uint n_emitters, const uint occlusion, const uint lookup,
-                          const float near_factor, const uint last_chance, const uint seed, const float scale,
+                          const float near_factor, const float first_near_factor, const uint last_chance, const uint seed, const float scale,
                           const uint n_items)
 {
     const uint i = get_global_id(0);
@@ -138,7 +138,8 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     for (; HR_IS_ROW(row) || row == HR_UNLIT; ++lit) {
         if (HR_IS_ROW(row)) {
             const float size = row_size[row];
-            if ((lit + 1 >= lookup || size < 0.0f) && hit.t >= near_factor * hr_magnitude(size))
+            const float sizes_away = lit == 0 && size >= 0.0f ? first_near_factor : near_factor;
+            if ((lit + 1 >= lookup || size < 0.0f) && hit.t >= sizes_away * hr_magnitude(size))
                 break;
         }
         if (lit == HR_LIT_HITS) {

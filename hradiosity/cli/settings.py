@@ -54,7 +54,7 @@ class Settings:
     light_samples
         Shadow rays from each reading to each lamp, all replicates together.
     lookup
-        Hit of a path, 2 or 3, at which the solution is looked up.
+        First hit of a path, 1, 2 or 3, at which the solution may be looked up.
     occlusion
         Whether surfaces cast shadows.
     interreflection

@@ -22,7 +22,7 @@ from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.parted import part_back_to_back
 from hradiosity.transport.device_scene import upload_scene
 
-RAYS_SHARE: Final = 0.16
+RAYS_SHARE: Final = 0.24
 """Rays that an audit may trace over what the run did, counted in rays. A ray of unbiased paths takes no longer than one
 of a run, so that this is less than a quarter of the run's CPU seconds; a limit in seconds would make results depend on
 the clock."""

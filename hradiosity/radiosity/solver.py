@@ -38,8 +38,8 @@ from hradiosity.solution import Readings, Solution
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
-NEAR_FACTOR = 0.5
-"""The solution is never looked up at a hit nearer than so many sizes of its element."""
+NEAR_FACTOR, FIRST_NEAR_FACTOR = 0.5, 3.0
+"""The solution is never looked up at a hit nearer than so many sizes of its element; the second is for first hits."""
 KEPT_BYTES = 256 * 2**20
 """Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
 
@@ -186,7 +186,7 @@ class RadiositySolver:
         return {
             "record": pack_record(self.record, cpu_seconds=self.cpu_seconds, wall_seconds=seconds),
             "round": pack_round(self._pacer.size, self._pacer.rounds),
-            **({f"effort/{name}": array for name, array in vars(self._effort).items()} if self._effort else {}),
+            **({f"effort/{name}": array for name, array in self._effort.arrays.items()} if self._effort else {}),
             **{f"readings/{name}": array for name, array in self._readings.checkpoint().items()},
             **{f"surfaces/{name}": array for name, array in surfaces.checkpoint().items()},
         }
@@ -272,7 +272,7 @@ class RadiositySolver:
                 self._effort = even.focused(self._pacer.size.focus)
             self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
         plan = self.plan
-        per_reading = plan.n_emitters * plan.light_samples + 3 * plan.gather_samples
+        per_reading = plan.n_emitters * plan.light_samples + (2 * self.options.lookup - 1) * plan.gather_samples
         self.record.rays += len(self._readings.position) * per_reading
         size = light.reflected.nbytes + light.emitter_choice.nbytes
         if len(self._kept) < 2 or (len(self._kept) + 1) * size <= KEPT_BYTES:
@@ -289,6 +289,7 @@ class RadiositySolver:
             moments.normal,
             light_samples=plan.light_samples,
             gather_samples=plan.gather_samples if plan.gathers or self.scene.sky is not None else 0,
+            rules=self._rules,
             seed=seed ^ 0x3C6EF372,
         )
 
@@ -306,7 +307,7 @@ class RadiositySolver:
             light_samples=effort.light,
             gather_samples=effort.gather,
             guide=effort.tables,
-            rules=PathRules(self.options.lookup, NEAR_FACTOR),
+            rules=self._rules,
             seed=seed ^ 0x5BD1E995,
         )
         unseen = brightest_unseen(
@@ -319,6 +320,11 @@ class RadiositySolver:
             gather_samples=effort.gather,
         )
         moments.add(replicate_readings(self.plan.columns, samples, unseen))
+
+    @property
+    def _rules(self) -> PathRules:
+        """Where the paths of readings end."""
+        return PathRules(self.options.lookup, NEAR_FACTOR, FIRST_NEAR_FACTOR)
 
     def _wanted(self) -> int:
         """Replicates of this round, as far as is known by now."""

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
+from functools import cached_property
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +16,6 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 
 PILOT_PATHS = 64
-PILOT_RULES = PathRules(lookup=2, near_factor=1.0)
 PILOT_LIGHT_SAMPLES = 64
 GUIDED_AT_ONCE = 8192
 """Readings whose guides are made at a time."""
@@ -53,6 +54,11 @@ class Effort:
         return Effort(light, gather, self.guide)
 
     @property
+    def arrays(self) -> dict[str, NDArray[Any]]:
+        """What it is made of, by name."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+    @cached_property
     def tables(self) -> NDArray[np.float32] | None:
         """Of the guide, as kernels take them; None without one."""
         return guide_tables(self.guide) if self.guide.shape[1] else None
@@ -67,6 +73,7 @@ def plan_effort(
     *,
     light_samples: int,
     gather_samples: int,
+    rules: PathRules,
     seed: int,
 ) -> Effort:
     """Spread the samples of all readings by a pilot's spread: n ∝ σ/E makes the rms relative error smallest.
@@ -77,6 +84,8 @@ def plan_effort(
         World frame [m], unit normals.
     light_samples, gather_samples : int
         Mean number of samples of a reading.
+    rules : PathRules
+        Of the paths that are planned for.
     """
     n = len(position)
     if n == 0 or gather_samples <= PILOT_PATHS // 2:
@@ -93,7 +102,7 @@ def plan_effort(
         ]
     )
     guide = scene.device.upload(guide_tables(shares))
-    paths = trace_paths(scene, elements, light, points, PILOT_PATHS, seed, PILOT_RULES, guide=guide, last_chance=True)
+    paths = trace_paths(scene, elements, light, points, PILOT_PATHS, seed, rules, guide=guide, last_chance=True)
     _, sums = reflected_light(scene, paths, light)
     mean = sums[:, 0].astype(np.float64) / PILOT_PATHS
     variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)

@@ -52,10 +52,12 @@ class PathRules:
 
     lookup : number of the first hit at which the solution may be looked up
     near_factor : it never is at a hit nearer than so many sizes of its element
+    first_near_factor : the same at the first hit, whose element a reading that is near sees from one side only
     """
 
-    lookup: int = 3
+    lookup: int = 1
     near_factor: float = 0.5
+    first_near_factor: float = 2.0
 
 
 @dataclass(frozen=True)
@@ -124,6 +126,7 @@ def trace_paths(
         occlusion=int(scene.occlusion),
         lookup=rules.lookup,
         near_factor=rules.near_factor,
+        first_near_factor=rules.first_near_factor,
         last_chance=int(last_chance),
         seed=seed,
         scale=scene.scale,

@@ -7,11 +7,13 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device import Device
 from hradiosity.solvers.choice import SolverChoice, solve_system
-from hradiosity.solvers.column_algebra import column_dot, column_ratio
+from hradiosity.solvers.column_algebra import column_ratio
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Columns, Solved
 from hradiosity.solvers.spectral_basis import SpectralBasis
+from hradiosity.solvers.vectors import squares
 
 
 def solve_by_basis(
@@ -49,18 +51,38 @@ def solve_by_basis(
         start=None if start is None else solved(start),
         deflation=deflation,
     )
-    indirect = np.zeros_like(direct)
-    n_columns = basis.combination.shape[1]
-    indirect[:, :n_columns] = np.einsum("rk,kc->rc", (few - few_direct)[:, : len(basis.solved)], basis.combination)
-    leaving = operator.root_area[:, None] * reflectance * (direct + indirect)
-    smoothed = operator.inverse_root_area[:, None] * operator.apply(leaving)
-    weight = operator.root_area[:, None]
-    change = np.sqrt(column_dot(weight * (smoothed - indirect), weight * (smoothed - indirect)))
-    defect = float(column_ratio(change, np.sqrt(column_dot(weight * smoothed, weight * smoothed))).max(initial=0.0))
+    indirect = _combined(operator.device, few - few_direct, basis, direct.shape[1])
+    area = operator.root_area[:, None]
+    leaving = direct + indirect
+    leaving *= reflectance
+    leaving *= area
+    smoothed = operator.apply(leaving)
+    # Both by root areas: norms over the surfaces.
+    indirect *= area
+    change = squares(operator.device, smoothed - indirect)
+    defect = float(np.sqrt(column_ratio(change, squares(operator.device, smoothed))).max(initial=0.0))
+    smoothed *= operator.inverse_root_area[:, None]
     account = replace(
         convergence,
         products=convergence.products + 1,
         solved_columns=len(basis.solved),
         spectral_defect=defect,
     )
-    return Solved(direct + smoothed, account)
+    smoothed += direct
+    return Solved(smoothed, account)
+
+
+def _combined(device: Device, few: Columns, basis: SpectralBasis, width: int) -> Columns:
+    """(n_rows, width) light of all columns, from that of the solved ones."""
+    combination = np.zeros((few.shape[1], width), np.float32)
+    combination[: len(basis.solved), : basis.combination.shape[1]] = basis.combination
+    combined = device.empty((len(few), width), np.float32)
+    device.kernel("columns", "combine_columns", HR_GROUPS=width // 8)(
+        len(few),
+        factors=device.upload(few, np.float32),
+        combination=device.upload(combination),
+        combined=combined,
+        n_factors=few.shape[1],
+    )
+    fetched: Columns = device.fetch(combined).reshape(len(few), width)
+    return fetched

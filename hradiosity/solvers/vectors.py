@@ -10,6 +10,7 @@ from typing import Any, Generic, Protocol, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device import Device
 from hradiosity.device.device import DeviceArray
 from hradiosity.solvers.measure import Sets
 from hradiosity.solvers.operator import ExchangeOperator
@@ -95,6 +96,44 @@ class HostVectors:
         direction += residual
 
 
+class ChunkProducts:
+    """Products of columns on the device over sets of connected elements, summed in double precision.
+
+    Parameters
+    ----------
+    device : Device
+    sets : Sets
+    n_columns : int
+        A multiple of eight.
+    """
+
+    def __init__(self, device: Device, sets: Sets, n_columns: int) -> None:
+        self._device, self._sets, self._groups = device, sets, n_columns // 8
+        self._n_chunks = len(sets.chunk_start) - 1
+        self._chunks = {
+            "order": device.upload(sets.order, np.uint32),
+            "chunk_start": device.upload(sets.chunk_start, np.uint32),
+        }
+        self._sums = device.empty((self._n_chunks, n_columns), np.float64)
+
+    def __call__(self, x: DeviceArray, y: DeviceArray) -> NDArray[np.float64]:
+        """(n_sets, n_columns) of two (n_rows, n_columns) float32 arrays."""
+        self._device.kernel("column_vectors", "multiply_chunks")(
+            self._n_chunks * self._groups, x=x, y=y, **self._chunks, sums=self._sums, n_groups=self._groups
+        )
+        return self._sets.of_chunks(self._device.fetch(self._sums))
+
+
+def squares(device: Device, columns: Columns) -> NDArray[np.float64]:
+    """(n_columns,) sums of the squares of each column of (n_rows, n_columns), summed in double precision."""
+    if not len(columns):
+        return np.zeros(columns.shape[1])
+    on_device = device.upload(columns, np.float32)
+    whole = Sets(np.zeros(len(columns), np.int32))
+    total: NDArray[np.float64] = ChunkProducts(device, whole, columns.shape[1])(on_device, on_device)[0]
+    return total
+
+
 class DeviceVectors:
     """Vectors in single precision that stay on the device.
 
@@ -107,18 +146,13 @@ class DeviceVectors:
     """
 
     def __init__(self, operator: ExchangeOperator, root: Columns, sets: Sets) -> None:
-        self._operator, self._device, self._sets = operator, operator.device, sets
+        self._operator, self._device = operator, operator.device
         self._shape = root.shape
         self._groups = root.shape[1] // 8
         self._size = root.shape[0] * self._groups
         self._root = self._device.upload(root, np.float32)
         self._scaled = self._device.empty(root.shape, np.float32)
-        self._chunks = {
-            "order": self._device.upload(sets.order, np.uint32),
-            "chunk_start": self._device.upload(sets.chunk_start, np.uint32),
-        }
-        n_chunks = len(sets.chunk_start) - 1
-        self._sums = self._device.empty((n_chunks, self._shape[1]), np.float64)
+        self._products = ChunkProducts(self._device, sets, root.shape[1])
 
     def put(self, columns: Columns) -> DeviceArray:
         """See `Vectors`."""
@@ -152,11 +186,7 @@ class DeviceVectors:
 
     def products(self, x: DeviceArray, y: DeviceArray) -> NDArray[np.float64]:
         """See `Vectors`."""
-        n_chunks = len(self._sets.chunk_start) - 1
-        self._device.kernel("column_vectors", "multiply_chunks")(
-            n_chunks * self._groups, x=x, y=y, **self._chunks, sums=self._sums, n_groups=self._groups
-        )
-        return self._sets.of_chunks(self._device.fetch(self._sums).reshape(n_chunks, -1))
+        return self._products(x, y)
 
     def add(self, to: DeviceArray, factors: Factors, vector: DeviceArray) -> None:
         """See `Vectors`."""

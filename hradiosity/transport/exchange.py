@@ -16,7 +16,9 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 if TYPE_CHECKING:
     from scipy.sparse import csr_array
 
-CLOSURE_TOLERANCE = 1e-4
+CLOSURE_TOLERANCE, CLOSURE_WORST = 1e-3, 0.05
+"""Rms by area, and largest relative defect, at which scaling stops. Rays leave an rms of 0.04 and more in rows; what is
+left of it after scaling becomes exchange of a row with itself."""
 CLOSURE_STEPS = 60
 LARGEST_SCALE = 2.0
 """Factor that no row is scaled beyond: what it then still lacks becomes exchange with itself."""
@@ -245,7 +247,8 @@ def close_rows(
         total = received(scale) + outside
         usable = (area > 0.0) & (total > 0.0)
         free = usable & ((scale < LARGEST_SCALE) | (scale * total > area))
-        if float(np.abs(scale[free] * total[free] / area[free] - 1.0).max(initial=0.0)) < CLOSURE_TOLERANCE:
+        defect = scale[free] * total[free] / area[free] - 1.0
+        if weighted_rms(defect, area[free]) < CLOSURE_TOLERANCE and np.abs(defect).max(initial=0.0) < CLOSURE_WORST:
             return scale, step
         scale[usable] = np.minimum(np.sqrt(scale[usable] * area[usable] / total[usable]), LARGEST_SCALE)
     return scale, CLOSURE_STEPS

@@ -8,7 +8,7 @@ from typing import Any, Final, Literal, cast, get_args
 import numpy as np
 
 from hradiosity.model.spectrum import Bands
-from hradiosity.options import QUALITIES, FormFactorName, Options, Quality, SolverName
+from hradiosity.options import QUALITIES, FormFactorName, Lookup, Options, Quality, SolverName
 
 Group = Literal[
     "quality",
@@ -111,8 +111,8 @@ def single_knobs() -> list[Setting]:
         for factor in FACTORS
         if name != "rays_per_element" or factor * usual.rays_per_element > LEAST_RAYS * usual.replicates
     ]
-    other: Literal[2, 3] = 5 - usual.lookup  # type: ignore[assignment]
-    found.append(Setting(f"lookup {other}", "lookup", replace(usual, lookup=other)))
+    others = (lookup for lookup in get_args(Lookup) if lookup != usual.lookup)
+    found += [Setting(f"lookup {lookup}", "lookup", replace(usual, lookup=lookup)) for lookup in others]
     found += [Setting(f"replicates {n}", "replicates", replace(usual, replicates=n)) for n in REPLICATES]
     return found
 

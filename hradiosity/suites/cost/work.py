@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from hradiosity.options import Options
 from hradiosity.plan import Plan
 
-_LOOKUP_SHARE = {2: 0.67, 3: 1.0}
+_LOOKUP_SHARE = {1: 0.4, 2: 0.67, 3: 1.0}
 """Of a path, by the hit at which it ends."""
 
 
