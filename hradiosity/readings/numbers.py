@@ -82,10 +82,12 @@ class ReadingNumbers:
         """How far each number may be off when every band may be off by a share `relative` of itself.
 
         Powers by that share. Of the others the change when the spectra are tilted, by that share at either end of the
-        bands; uniformity by twice that share, since its lowest reading and its mean may be off in opposite directions.
+        bands; uniformity by twice that share, since its lowest reading and its mean may be off in opposite directions,
+        but that of a single reading is 1 whatever the light.
         """
         effect = {name: relative * np.abs(value) for name, value in numbers.items() if is_power(name)}
-        effect["uniformity"] = 2.0 * relative * numbers["uniformity"]
+        several = np.array([part.stop - part.start > 1 for part in self.parts.values()], bool)
+        effect["uniformity"] = 2.0 * relative * numbers["uniformity"] * several
         others = numbers.keys() - effect.keys()
         if others:
             tilted = self.of(spectra * (1.0 + relative * self.tilt))

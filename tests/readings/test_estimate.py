@@ -150,3 +150,12 @@ def test_uniformity_varies_as_its_lowest_reading_does():
             moments.add(ReplicateReadings(np.repeat(light, len(BANDS), axis=1), np.zeros(20)))
         widths.append(float(moments.readings()["desk"].numbers["uniformity"].standard_error))
     assert np.sqrt(np.mean(np.square(widths))) == pytest.approx(0.1 / np.sqrt(8), rel=0.1)
+
+
+def test_a_single_reading_is_surely_uniform():
+    """Whatever all replicates may be off by alike, the lowest of one is their mean."""
+    moments = ReadingMoments((sensor(1),), BANDS)
+    for light in (1.0, 1.2):
+        moments.add(ReplicateReadings(np.full((1, len(BANDS)), light), np.zeros(1)))
+    uniformity = moments.readings({"iteration": 0.01})["desk"].numbers["uniformity"]
+    assert float(uniformity.value) == 1.0 and float(uniformity.half_width) == 0.0
