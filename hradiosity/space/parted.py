@@ -74,13 +74,15 @@ def part_back_to_back(scene: Scene) -> Scene:
 def _unlike(scene: Scene) -> Coplanar:
     """Pairs of faces in one plane, of no solid, that differ in material or light or whose backs are black."""
     patches = scene.patches
-    pairs = coplanar_pairs(patches)
+    loose = np.flatnonzero(patches.solid == NONE)
+    pairs = coplanar_pairs(Patches(**{name: array[loose] for name, array in vars(patches).items()}))
+    pairs = replace(pairs, first=loose[pairs.first], second=loose[pairs.second])
     emits = np.zeros(len(patches), bool)
     emits[scene.emitters.patch[scene.emitters.patch != NONE]] = True
     black_back = ~np.array([material.two_sided for material in scene.materials], bool)[patches.material]
     first, second = pairs.first, pairs.second
     unlike = (patches.material[first] != patches.material[second]) | black_back[first] | emits[first] | emits[second]
-    return _some(pairs, unlike & (patches.solid[first] == NONE) & (patches.solid[second] == NONE))
+    return _some(pairs, unlike)
 
 
 def _some(pairs: Coplanar, which: NDArray[np.bool_]) -> Coplanar:
