@@ -82,5 +82,7 @@ def _measure_rays(solution: Solution) -> Calibration | None:
         shadow_rays_per_s=shadow_rays / seconds["direct light"],
         paths_per_s=paths / seconds["readings"],
         exchange_s_per_ray=seconds["exchange"] / rays,
-        solve_s_per_ray_column=seconds["solution"] / rays / (8 * plan.columns.n_groups),
+        solve_s_per_ray_column=(seconds["solution"] + seconds.get("companion", 0.0))
+        / rays
+        / (8 * plan.columns.n_groups),
     )

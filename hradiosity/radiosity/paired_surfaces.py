@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from scipy.sparse import csr_array, diags_array
 
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
+from hradiosity.planning_classic import VISIBLE_SHARE, pixels_drawn
 from hradiosity.radiosity.shooting import LEAST_PIXELS, ShootingPoints, shooting_points
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.space.hierarchy import Elements
@@ -32,8 +33,14 @@ from hradiosity.transport.pair_sight import open_share
 
 COMPARED_PAIRS = 100_000
 """Pairs of elements whose two directions are compared."""
-VISIBILITY_RAYS: Final = 2.0
-"""Of a pair and replicate, about: four where nothing is proved."""
+VISIBILITY_RAYS: Final = 1.0
+"""Of a pair and replicate, about: four where nothing is proved, in large batches."""
+PROOF_RAYS: Final = 2.0
+"""Exchange rays that take as long as a proof that nothing stands between a pair."""
+CLOSING_SHARE, SOLUTION_SHARE = 0.5, 0.2
+"""What a link of a pair takes to close and to solve, of what a ray does: many links share what a row takes anyway."""
+RAYS_OF_A_PIXEL: Final = 0.045
+"""Exchange rays that take as long as a pixel of a hemicube, halves for intervals included."""
 
 
 class PairedSurfaces(SurfaceSolver):
@@ -136,11 +143,15 @@ class PairedSurfaces(SurfaceSolver):
 def _pair_seconds(plan: Plan, calibration: Calibration, rays_of_a_pair: float) -> float:
     """Expected seconds of form factors, and of visibility, closing and solution with so many links in place of rays."""
     rays = plan.n_elements * plan.rays_per_element
-    links = max(2 * plan.pairs - rays, 0)
-    per_link = calibration.exchange_s_per_ray + 8 * plan.columns.n_groups * calibration.solve_s_per_ray_column
     visibility = VISIBILITY_RAYS * plan.pairs / calibration.shadow_rays_per_s if plan.occlusion else 0.0
-    factors = rays_of_a_pair * plan.pairs / calibration.exchange_rays_per_s
-    return factors + plan.replicates * (visibility + links * per_link)
+    factors = (rays_of_a_pair + PROOF_RAYS * plan.occlusion) * plan.pairs / calibration.exchange_rays_per_s
+    return factors + plan.replicates * (visibility + _link_seconds(plan, calibration, max(2 * plan.pairs - rays, 0)))
+
+
+def _link_seconds(plan: Plan, calibration: Calibration, links: float) -> float:
+    """Expected seconds of closing and solution with so many links more than there are rays."""
+    solution = 8 * plan.columns.n_groups * calibration.solve_s_per_ray_column
+    return links * (CLOSING_SHARE * calibration.exchange_s_per_ray + SOLUTION_SHARE * solution)
 
 
 class HemicubeSurfaces(SurfaceSolver):
@@ -156,7 +167,7 @@ class HemicubeSurfaces(SurfaceSolver):
         return {"method": "hemicube", "resolution": self.options.hemicube_resolution, **drawn}
 
     def sized_plan(self, calibration: Calibration | ClassicCalibration | None) -> Plan:
-        """The plan for the elements that were cut; its seconds are not known.
+        """The plan for the elements that were cut, with seconds if the device was measured in the mode of rays.
 
         Raises
         ------
@@ -166,14 +177,21 @@ class HemicubeSurfaces(SurfaceSolver):
         n_rows = len(self.elements)
         n_pairs = n_rows * (n_rows - 1) // 2
         check_pairs(n_pairs, n_rows, "hemicube")
-        plan = super().sized_plan(None)
-        return replace(
+        known = calibration if isinstance(calibration, Calibration) else None
+        plan = super().sized_plan(known)
+        sized = replace(
             plan,
             form_factors="hemicube",
             pairs=n_pairs,
             most_pairs=most_pairs(),
             memory_bytes=plan.memory_bytes + pair_bytes(n_pairs),
         )
+        if known is None or plan.seconds is None:
+            return sized
+        pixels = n_rows * pixels_drawn(self.options.hemicube_resolution, plan.n_patches)
+        drawing = RAYS_OF_A_PIXEL * pixels / known.exchange_rays_per_s
+        links = _link_seconds(plan, known, VISIBLE_SHARE * n_rows**2)
+        return replace(sized, seconds=plan.seconds + plan.replicates * (drawing + links))
 
     def _exchange(self, hits: RowHits, seed: int) -> ClosedRows:
         if self._hemicube is None:

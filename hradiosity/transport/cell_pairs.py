@@ -42,16 +42,16 @@ MOST_BYTES: Final = 2**32
 """Of all that is held for pairs."""
 RAYS_OF_A_PAIR: Final[Mapping[str, float]] = MappingProxyType(
     {
-        "auto": 1.0,
-        "contour": 2.0,
-        "hemisphere": 20.0,
-        "quasi-hemisphere": 9.0,
-        "monte-carlo": 30.0,
-        "point": 0.2,
-        "point-disk": 0.2,
+        "auto": 1.5,
+        "contour": 5.0,
+        "hemisphere": 45.0,
+        "quasi-hemisphere": 12.0,
+        "monte-carlo": 13.0,
+        "point": 1.0,
+        "point-disk": 1.0,
     }
 )
-"""Exchange rays that take as long as the form factor of a pair, as measured in the Cornell box."""
+"""Exchange rays that take as long as the form factor of a pair, as measured in the Cornell box and the two rooms."""
 BATCH_PAIRS: Final = 2**20
 """Pairs on the device at a time."""
 FLAT: Final = 2.0**-20
