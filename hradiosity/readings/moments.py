@@ -17,9 +17,9 @@ from hradiosity.readings.interval import RunningMean, RunningMoments, part_of
 from hradiosity.readings.numbers import OF_SENSORS, ReadingNumbers, is_power
 from hradiosity.solution import Readings
 
-COMPANIONS: Final = MappingProxyType({MESH: 0.5, EXCHANGE: 1.0})
+COMPANIONS: Final = MappingProxyType({MESH: 1.0, EXCHANGE: 1.0})
 """By part: share of the change by its companion that stands for what finer settings would still change. Errors fall
-with the edge of elements to a power between 1 and 2, and with the number of rays to the power 1."""
+with the edge of elements and with the number of rays to the power 1, or faster."""
 COMMON = 4.0
 """Degrees of freedom that the mean variance of a group of readings counts beside a reading's own. Few replicates of a
 skewed number that all miss its rare large values come out too low and too sure at once; what is usual for the other
