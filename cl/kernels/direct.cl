@@ -39,14 +39,34 @@ HR_FORCE_INLINE float hr_hidden(const float3 x, const float3 n, const uint own, 
     return hidden;
 }
 
+/* What each emitter would send to each row without any obstacle, for unit emission: mean over points spread over it. */
+__kernel void bound_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
+                         __global float *clear, /* (n_rows, n_emitters) [1] or [m^-2] */
+                         const uint n_points, const uint n_emitters, const uint n_items)
+{
+    const uint i = get_global_id(0);
+    if (i >= n_items)
+        return;
+    const uint row = i / n_emitters, emitter = i % n_emitters;
+    float sum = 0.0f;
+    for (uint k = 0; k < n_points; ++k) {
+        const hr_place place = hr_place_on_row(row, hr_sample(k, 0, row), hr_sample(k, 1, row), HR_ELEMENT, HR_PATCH);
+        if (place.patch != emitter_patch[emitter])
+            sum += hr_emitter_factor(place.position, place.normal, emitter, HR_EMITTER, HR_PATCH);
+    }
+    clear[i] = sum / (float)n_points;
+}
+
 /* Irradiance of each row's exposed part for unit emission of each emitter. The points are the origins of the row's own
    exchange rays, so that both see the same part of the element. Where nothing stands between, each point takes the
    closed form. Else, from afar each takes one sample of the kernel; near an emitter it takes the closed form less what
    is found hidden if another point found the emitter open, and what it finds open itself if none did: no noise in full
-   view, 0 behind a wall, and no bias, since rays near an emitter are drawn independently of those of other points. */
+   view, 0 behind a wall, and no bias, since rays near an emitter are drawn independently of those of other points.
+   With HR_CHANCE an emitter is tried with a probability of its own, and what it sends counts as many times more. */
 __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const uint *hit_row, /* (n_rows, n_samples), from trace_rows          */
                           __global const uchar *row_sight, /* (n_rows, n_emitters) HR_SIGHT_…            */
+                          __global const float *chance, /* (n_rows, n_emitters) of trying, with HR_CHANCE */
                           __global float *direct,       /* (n_rows, n_emitters) [1] or [m^-2]            */
                           const uint n_samples, const uint n_points, const uint n_emitters, const uint occlusion,
                           const uint seed, const float scale, const uint n_items)
@@ -64,6 +84,14 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     const uint patch = emitter_patch[emitter];
     const uint row_seed = hr_combine(seed, row);
     const uint lamp_seed = hr_combine(row_seed, emitter);
+    float counts = 1.0f;
+#if HR_CHANCE
+    if (hr_unit_float(hr_hash(lamp_seed + 0x2545f491u)) >= chance[i]) {
+        direct[i] = 0.0f;
+        return;
+    }
+    counts = 1.0f / chance[i];
+#endif
     float sum = 0.0f;
     float lone = 0.0f;
     uint exposed = 0, open = 0;
@@ -108,7 +136,7 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         }
         sum += factor - hidden;
     }
-    direct[i] = open > 1 ? sum / (float)exposed : open > 0 ? (sum - lone) / (float)exposed : 0.0f;
+    direct[i] = counts * (open > 1 ? sum / (float)exposed : open > 0 ? (sum - lone) / (float)exposed : 0.0f);
 }
 
 /* Whether a shaft proves that nothing stands between the point x and an area emitter. */

@@ -41,6 +41,7 @@ from hradiosity.transport.device_scene import DeviceScene, upload_elements, uplo
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import ClosedRows, Exchange, RowHits, build_exchange, trace_rows
 from hradiosity.transport.glow import glow_of, sampled_scene
+from hradiosity.transport.lamp_choice import lamp_probability
 
 RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
@@ -125,6 +126,9 @@ class SurfaceSolver:
         self._growth: ErrorGrowth | None = None
         self._solver = RowLight(self.plan, self.options, self._choice, self._choose_basis())
         self._parent = self._coarser()
+        chance = lamp_probability(self.on_device, self.on_device_elements, self.emission, self.sight)
+        self._tried = None if chance is None else float(chance.sum())
+        self._chance = None if chance is None else self.device.upload(chance)
 
     def _prove(self, lit: LitSides) -> NDArray[np.uint8] | None:
         """What shafts prove about rows and emitters; None where it was decided without them, or there are none."""
@@ -153,8 +157,11 @@ class SurfaceSolver:
         with self.record.timed("exchange rays"):
             hits = self._trace(seed)
         with self.record.timed("direct light"):
-            per_emitter = direct_on_rows(self.on_device, self.on_device_elements, hits, self.plan.light_points, seed)
+            per_emitter = direct_on_rows(
+                self.on_device, self.on_device_elements, hits, self.plan.light_points, seed, self._chance
+            )
             traced = per_emitter.size if self.sight is None else int(np.count_nonzero(self.sight == UNKNOWN))
+            traced = traced if self._tried is None else min(traced, round(self._tried))
             self.record.rays += traced * self.plan.light_points
         with self.record.timed("exchange"):
             exchange = self._exchange(hits, seed)

@@ -16,7 +16,8 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 
 PILOT_PATHS = 64
-PILOT_LIGHT_SAMPLES = 64
+PILOT_LIGHT_SAMPLES, LEAST_LIGHT_SAMPLES, ALL_LIGHT_SAMPLES = 64, 4, 512
+"""Shadow rays of the pilot to each emitter; less to each of many, so that there are about so many to all of them."""
 GUIDED_AT_ONCE = 8192
 """Readings whose guides are made at a time."""
 DARK_SHARE = 0.05
@@ -92,7 +93,8 @@ def plan_effort(
         return Effort.even(n, light_samples, gather_samples)
     weight = scene.device.fetch(light.weight)
     brightness = np.einsum("ec,c->e", light.emission, weight)
-    direct = direct_at_points(scene, position, normal, PILOT_LIGHT_SAMPLES, seed)
+    pilot = min(PILOT_LIGHT_SAMPLES, max(LEAST_LIGHT_SAMPLES, ALL_LIGHT_SAMPLES // max(scene.n_emitters, 1)))
+    direct = direct_at_points(scene, position, normal, pilot, seed)
     arriving = direct.astype(np.float64) * brightness
     points = upload_points(scene, position, normal)
     shares = np.concatenate(
@@ -110,7 +112,7 @@ def plan_effort(
     total = np.maximum(total, DARK_SHARE * total.mean())
     gather = np.divide(np.sqrt(variance), total, out=np.zeros(n), where=total > 0.0)
     penumbra = np.divide(
-        np.sqrt(_partial(scene, position, normal, direct, seed) * brightness**2).max(axis=1, initial=0.0),
+        np.sqrt(_partial(scene, position, normal, direct, pilot, seed) * brightness**2).max(axis=1, initial=0.0),
         total,
         out=np.zeros(n),
         where=total > 0.0,
@@ -123,6 +125,7 @@ def _partial(
     position: NDArray[np.float64],
     normal: NDArray[np.float64],
     direct: NDArray[np.float32],
+    n_rays: int,
     seed: int,
 ) -> NDArray[np.float64]:
     """(n, n_emitters) variance of one shadow ray's factor: F² v (1 − v), F without obstacles, v the visible share.
@@ -132,7 +135,7 @@ def _partial(
     """
     clear = direct_at_points(scene.without_occlusion(), position, normal, 1, seed).astype(np.float64)
     seen = np.divide(direct, clear, out=np.zeros_like(clear), where=clear > 0.0)
-    likely = (np.clip(seen, 0.0, 1.0) * PILOT_LIGHT_SAMPLES + 0.5) / (PILOT_LIGHT_SAMPLES + 1.0)
+    likely = (np.clip(seen, 0.0, 1.0) * n_rays + 0.5) / (n_rays + 1.0)
     variance: NDArray[np.float64] = clear**2 * likely * (1.0 - likely)
     return variance
 

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device.device import DeviceArray
 from hradiosity.space.shafts import MOST_VISITS
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
@@ -15,7 +16,12 @@ if TYPE_CHECKING:
 
 
 def direct_on_rows(
-    scene: DeviceScene, elements: DeviceElements, hits: RowHits, n_points: int, seed: int
+    scene: DeviceScene,
+    elements: DeviceElements,
+    hits: RowHits,
+    n_points: int,
+    seed: int,
+    chance: DeviceArray | None = None,
 ) -> NDArray[np.float32]:
     """Mean irradiance of each row element's exposed part for unit emission of each emitter.
 
@@ -25,6 +31,8 @@ def direct_on_rows(
         Of the same seed: its rays tell which points are covered by solids.
     n_points : int
         Points on each element; at each, one ray goes to each emitter that the element is not proved to see.
+    chance : (n_rows, n_emitters) float32 on the device, optional
+        Probability of trying an emitter, see `hradiosity.transport.lamp_choice`.
 
     Returns
     -------
@@ -35,13 +43,14 @@ def direct_on_rows(
     if scene.n_emitters == 0 or n_rows == 0:
         return np.zeros((n_rows, scene.n_emitters), np.float32)
     direct = scene.device.empty((n_rows, scene.n_emitters), np.float32)
-    scene.device.kernel("direct", "direct_rows")(
+    scene.device.kernel("direct", "direct_rows", HR_CHANCE=int(chance is not None))(
         n_rows * scene.n_emitters,
         **scene.geometry,
         **elements.cells,
         **scene.emitters,
         hit_row=hits.on_device,
         row_sight=elements.sight(scene),
+        chance=direct if chance is None else chance,
         direct=direct,
         n_samples=hits.row.shape[1],
         n_points=n_points,
