@@ -178,8 +178,8 @@ def _words(event: Event) -> list[str]:
         again = f" (seed {values['seed']})" if values["seed"] else ""
         return [f"{at} {values['setting']}{again}: {seconds_text(values['cpu_seconds'])} of CPU{found}"]
     if event.kind == "skipped":
-        about = "" if values["predicted"] is None else f"about {seconds_text(values['predicted'])}, "
-        return [f"{at} not run: {values['name']}: {about}{values['reason']}"]
+        # Those that are too long are many, and told together at the end.
+        return [] if values["predicted"] is not None else [f"{at} not run: {values['name']}: {values['reason']}"]
     if event.kind == "reference":
         return [f"{at} referee: {values['paths']} paths from each reading, noise {share_text(values['noise'])}"]
     if event.kind == "solver":

@@ -33,6 +33,10 @@ GROUPS: Final[dict[str, tuple[str, str]]] = {
 CHAINS: Final = ("elements", "rays per element", "light points", "light samples", "gather samples", "classic")
 """Groups whose settings lie along a line; those of a knob go through normal."""
 NORMAL: Final = "normal"
+NAMED: Final = ("quality", "form factors", "links")
+"""Groups whose marks have no order that would tell them apart."""
+FEW_POINTS: Final = 12
+"""Up to so many, all have their names."""
 _STEPS: Final = (
     (0.45, (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)),
     (0.9, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)),
@@ -125,7 +129,7 @@ def draw_costs(picture: CostPicture) -> bytes:
     for axes, front in ((lux, "on_front"), (spectrum, "on_spectral_front")):
         name = "illuminance" if axes is lux else "spectrum"
         places = [(p.seconds, 100.0 * getattr(p, name)[0]) for p in points]
-        named = [getattr(p, front) or p.group == "quality" for p in points]
+        named = [getattr(p, front) or p.group in NAMED or len(points) <= FEW_POINTS for p in points]
         texts = [(*place, p.name) for place, p, told in zip(places, points, named) if told]
         line = sorted(place for place, p in zip(places, points) if getattr(p, front))
         label_points(axes, texts, [*places, *_along(line)], renderer)
@@ -288,8 +292,15 @@ def _legend(figure: Figure, points: Sequence[CostPoint]) -> None:
         for group, (colour, mark) in GROUPS.items()
         if group in there
     ]
-    handles.append(Line2D([], [], color=FRONT, linewidth=2.2, label="Pareto front"))
+    if max(sum(p.on_front for p in points), sum(p.on_spectral_front for p in points)) > 1:
+        handles.append(Line2D([], [], color=FRONT, linewidth=2.2, label="Pareto front"))
     handles.append(Line2D([], [], color="#888888", marker="_", label="to the 95th percentile; largest", linewidth=0.0))
-    hollow: dict[str, Any] = {"marker": "o", "markerfacecolor": "white", "markeredgecolor": "#444444", "linestyle": ""}
-    handles.append(Line2D([], [], label="not to be told from the noise", **hollow))
+    if any(p.illuminance_hidden or p.spectrum_hidden for p in points):
+        hollow: dict[str, Any] = {
+            "marker": "o",
+            "markerfacecolor": "white",
+            "markeredgecolor": "#444444",
+            "linestyle": "",
+        }
+        handles.append(Line2D([], [], label="not to be told from the noise", **hollow))
     figure.legend(handles=handles, loc="outside lower center", ncols=7, fontsize=9, frameon=False)

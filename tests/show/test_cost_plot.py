@@ -49,6 +49,17 @@ def test_any_report_can_be_drawn(picture):
     assert len(np.unique(drawn.reshape(-1, 3), axis=0)) > 50
 
 
+@pytest.mark.parametrize(("front", "hidden"), [(0, 0), (1, 0), (2, 0), (2, 1)])
+def test_legend_names_what_is_drawn(front, hidden, monkeypatch):
+    labels = []
+    monkeypatch.setattr(Figure, "legend", lambda self, handles, **_: labels.extend(h.get_label() for h in handles))
+    changes = [
+        {"on_front": k < front, "on_spectral_front": False, "spectrum_hidden": k < hidden} for k in range(len(EVERY))
+    ]
+    draw_costs(CostPicture("some", [replace(p, **c) for p, c in zip(EVERY, changes)], 0.01, 0.01, []))
+    assert ("Pareto front" in labels, "not to be told from the noise" in labels) == (front > 1, hidden > 0)
+
+
 def test_groups_differ():
     assert len(set(GROUPS.values())) == len(GROUPS) == len({mark for _, mark in GROUPS.values()})
 

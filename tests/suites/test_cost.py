@@ -15,14 +15,22 @@ from hradiosity.suites.cost import running
 from hradiosity.suites.cost.budget import Budget
 from hradiosity.suites.cost.combine import Change, propose
 from hradiosity.suites.cost.errors import Error, error_of, without_noise
-from hradiosity.suites.cost.files import bands_table
+from hradiosity.suites.cost.files import bands_table, tables
 from hradiosity.suites.cost.pareto import pareto_front, quote, quotes
 from hradiosity.suites.cost.pricing import Truth, bands_prices, effect_price, largest_spread, prices
 from hradiosity.suites.cost.running import CostRun
 from hradiosity.suites.cost.settings import classic, combined, methods, qualities, single_knobs
 from hradiosity.suites.cost.values import BandsPrice, Price, Report, Run, Skipped
-from hradiosity.suites.cost.words import bands_rows, markdown, price_rows, recommendation, seconds_text, share_text
-from hradiosity.suites.cost.work import predict, work_of
+from hradiosity.suites.cost.words import (
+    bands_rows,
+    markdown,
+    price_rows,
+    recommendation,
+    seconds_text,
+    share_text,
+    skipped_lines,
+)
+from hradiosity.suites.cost.work import Measured, predict, work_of
 
 N, BANDS = 40, 3
 
@@ -190,9 +198,31 @@ def test_recommendation_tells_what_is_hidden_and_what_was_not_run():
     skipped = [Skipped("classic 32²", "classic", 130.0, "over the budget")]
     lines = recommendation(report(found, skipped, noise=0.003))
     assert "below 0.3 %, the referee's own noise: `--quality normal`, 4 s" in lines
-    assert lines[-1] == "classic mode was not run: it would have taken about 130 s, over the budget"
+    assert lines[-1] == "classic mode was not run: about 130 s was more than was left of its share of the budget"
     assert recommendation(report([price(draft, 1.0, 0.02, hidden=True)]))[0].startswith("no error stands out")
     assert recommendation(report([])) == ["nothing was measured"]
+
+
+def test_settings_that_were_not_run_are_told_by_groups():
+    skipped = [
+        Skipped("elements × 4", "elements", 25.0, "too long"),
+        Skipped("elements × 2", "elements", 16.2, "too long"),
+        Skipped("hemicube, few elements", "form factors", 30.0, "too long"),
+        Skipped("auto, few elements", "form factors", None, "refused"),
+    ]
+    assert skipped_lines(skipped) == [
+        "* too long, by what they would take:",
+        "  * elements: × 2 16 s, × 4 25 s",
+        "  * form factors, few elements: hemicube 30 s",
+        "* refused:",
+        "  * form factors, few elements: auto",
+    ]
+
+
+def test_one_number_of_bands_is_no_table():
+    one = BandsPrice(9, 9, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+    told = report([price(qualities()[0], 1.0, 0.1)])
+    assert [len(tables(replace(told, bands=(one,) * n))) for n in (0, 1, 2)] == [1, 1, 2]
 
 
 @pytest.mark.parametrize(
@@ -298,11 +328,22 @@ def test_prediction_scales_stages():
     sizes = {"n_readings": 100, "n_emitters": 2, "columns": 10}
     usual = work_of(4000, Options(), **sizes)
     stages = {"exchange rays": 1.0, "readings": 2.0}
-    assert predict(4.0, stages, usual, usual) == pytest.approx(4.0)
+    base = Measured(4.0, stages, usual)
+    assert predict(base, usual) == pytest.approx(4.0)
     more = work_of(4000, Options(rays_per_element=2 * Options.rays_per_element), **sizes)
-    assert predict(4.0, stages, usual, more) == pytest.approx(5.0)
+    assert predict(base, more) == pytest.approx(5.0)
     light = work_of(4000, Options(light_samples=1, gather_samples=8), **sizes)
-    assert predict(4.0, stages, usual, light) == pytest.approx(2.0, abs=0.02)
+    assert predict(base, light) == pytest.approx(2.0, abs=0.02)
+
+
+def test_two_runs_tell_what_a_stage_takes_anyway():
+    """2 s at 10 units and 1 s at 5: 3 s at 15. 2 s and 1.8 s: 2.2 s. With work alike there is no line."""
+    base = Measured(5.0, {"readings": 2.0}, {"readings": 10.0})
+    for seconds, expected in ((1.0, 6.0), (1.8, 5.2), (2.5, 5.0), (0.1, 6.0)):
+        smaller = Measured(1.0, {"readings": seconds}, {"readings": 5.0})
+        assert predict(base, {"readings": 15.0}, smaller) == pytest.approx(expected)
+    alike = Measured(1.0, {"readings": 1.9}, {"readings": 9.0})
+    assert predict(base, {"readings": 15.0}, alike) == pytest.approx(6.0)
 
 
 def test_budget_keeps_a_margin():
@@ -397,6 +438,16 @@ def test_settings_come_by_rising_cost():
     swept = [r for r in run.runs if r.seed == 0 and r.setting.name in knobs]
     seconds = [r.cpu_seconds for r in swept]
     assert seconds == sorted(seconds) and len(seconds) > 8
+
+
+def test_what_was_too_long_for_its_part_comes_with_what_is_left():
+    """Nothing but the sweep fits before its share ends; what solvers, effects and bands leave over is for the rest."""
+    bench = FakeBench()
+    run = CostRun(bench, 14.0)
+    list(run.events())
+    names = {r.setting.name for r in run.runs}
+    assert {"draft", "normal", "elements × 0.25"} <= names and len(names) >= 6
+    assert not names & {item.name for item in run.skipped}
 
 
 def test_what_is_known_can_be_asked_for_early():

@@ -20,7 +20,7 @@ from hradiosity.suites.cost.memory import PeakMemory
 from hradiosity.suites.cost.reference import GrowingReference
 from hradiosity.suites.cost.settings import Setting
 from hradiosity.suites.cost.values import Run
-from hradiosity.suites.cost.work import predict, work_of, work_of_plan
+from hradiosity.suites.cost.work import Measured, predict, work_of, work_of_plan
 
 UNMEASURED = ClassicCalibration(seconds_per_pixel=5e-8, seconds_per_product=1.5e-9)
 """Of the classic mode on two cores, for devices on which it never ran; the first run of it replaces them."""
@@ -72,6 +72,8 @@ class SceneBench:
         self.scene, self.device = scene, device
         self.reference = GrowingReference(scene, device, kept)
         self._base: Run | None = None
+        self._measured: list[Measured] = []
+        self._pairs: dict[int, int] = {}
         self._paces: list[float] = []
         speed = load_calibration(device.description, "classic")
         self._classic = speed if isinstance(speed, ClassicCalibration) else UNMEASURED
@@ -86,10 +88,12 @@ class SceneBench:
         options = setting.options
         if options.mode == "classic":
             return None if self._classic_plan is None else self._classic_seconds(self._classic_plan, setting)
-        if self._base is None or options.form_factors != "rays":
+        pairs = 0 if options.form_factors == "rays" else self._pairs.get(options.elements)
+        if self._base is None or pairs is None:
             return None
         elements = self._base.elements * options.elements / self._base.setting.options.elements
         seconds = self._predict(work_of(elements, options, **self._sizes))
+        seconds += pairs * PAIR_SECONDS.get(options.form_factors, 0.0)
         return seconds * LINKS_OVER_ROWS if options.links == "hierarchical" else seconds
 
     def start(self, setting: Setting, seed: int = 0, scene: Scene | None = None) -> Started:
@@ -108,6 +112,8 @@ class SceneBench:
             self._classic_plan = plan
             predicted = self._classic_seconds(plan, setting)
         elif self._base is not None:
+            if plan.pairs:
+                self._pairs.setdefault(setting.options.elements, plan.pairs)
             predicted = self._predict(work_of_plan(plan, setting.options))
             predicted += plan.pairs * PAIR_SECONDS.get(setting.options.form_factors, 0.0)
             predicted *= LINKS_OVER_ROWS if setting.options.links == "hierarchical" else 1.0
@@ -142,8 +148,11 @@ class SceneBench:
         return run
 
     def learn(self, run: Run, plan: Plan) -> None:
-        """Predict further runs from this one."""
+        """Predict further runs from this one, and from the one before."""
         self._base = run
+        share = run.cpu_seconds / run.wall_seconds
+        stages = {stage: share * seconds for stage, seconds in run.stage_seconds.items()}
+        self._measured.append(Measured(run.cpu_seconds, stages, run.work))
         self._sizes = {
             "n_readings": plan.n_readings,
             "n_emitters": plan.n_emitters,
@@ -152,11 +161,10 @@ class SceneBench:
 
     def _predict(self, work: dict[str, float]) -> float:
         """CPU seconds times how much longer runs have taken so far, of which one alone may have been held up."""
-        if self._base is None:
+        if not self._measured:
             raise RuntimeError("nothing was measured yet")
-        base, share = self._base, self._base.cpu_seconds / self._base.wall_seconds
-        stages = {stage: share * seconds for stage, seconds in base.stage_seconds.items()}
-        return float(np.median(self._paces)) * predict(base.cpu_seconds, stages, base.work, work)
+        *before, base = self._measured
+        return float(np.median(self._paces)) * predict(base, work, before[-1] if before else None)
 
     def _classic_seconds(self, plan: Plan, setting: Setting) -> float:
         """From the hemicubes and products of a plan, which hardly depend on the resolution."""

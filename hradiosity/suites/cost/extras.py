@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final, TypeAlias
 
@@ -21,7 +22,7 @@ DENSE_SECONDS, DENSE_ELEMENTS, DENSE_COLUMNS = 5.0, 542, 81
 
 Skip: TypeAlias = Callable[[Setting, float | None, str], Event]
 """Notes that a setting was not run: predicted wall seconds, and why."""
-OVER: Final = "over the budget"
+OVER: Final = "more than was left of their share of the budget"
 
 
 class Extras:
@@ -101,11 +102,11 @@ class Extras:
             yield Event("effect", price.__dict__ | {"spent": self._budget.spent})
 
     def try_bands(self, runs: Sequence[Run], share: float) -> Iterator[Event]:
-        """The scene in other bands."""
+        """The scene in other bands, two numbers of them at least, since they are compared with each other."""
         draft = next((run for run in runs if run.setting.name == "draft"), None)
         if draft is None or self._in_bands is None:
             return
-        per_column = draft.wall_seconds
+        per_column = draft.wall_seconds if self._budget.holds(2.0 * draft.wall_seconds, share) else math.inf
         for count in BANDS:
             setting = for_bands(count)
             if not self._budget.holds(per_column, share):

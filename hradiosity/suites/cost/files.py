@@ -104,7 +104,7 @@ def tables(report: Report) -> list[tuple[str, Rows]]:
         ("Settings, by rising cost (* nothing is both cheaper and better)", price_rows(report.prices)),
         ("Solvers: the light on the surfaces, one replicate", solver_rows(report)),
         ("Effects forced against the plan", effect_rows(report)),
-        (_bands_title(report), bands_rows(report)),
+        (_bands_title(report), bands_rows(report) if len(report.bands) > 1 else []),
     ]
     return [(title, rows) for title, rows in named if len(rows) > 1]
 
@@ -122,7 +122,7 @@ def markdown_lines(report: Report) -> list[str]:
     for title, rows in tables(report):
         lines += ["", f"## {title}", "", *markdown(rows)]
     if report.skipped:
-        lines += ["", *(f"* {line}" for line in skipped_lines(report.skipped))]
+        lines += ["", "## Not run", "", *skipped_lines(report.skipped)]
     return lines
 
 

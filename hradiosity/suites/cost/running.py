@@ -19,10 +19,10 @@ from hradiosity.suites.cost.values import Price, Run, Skipped
 FIRST_REFERENCE: Final = 0.18
 SWEEP, COMBINATIONS, OTHER_METHODS = 0.36, 0.42, 0.54
 SOLVING, EFFECTS, COUNTS = 0.58, 0.63, 0.70
-LATER_REFERENCE: Final = 0.86
+AGAIN, LATER_REFERENCE = 0.76, 0.86
 END: Final = 0.95
-"""Shares of the budget after which each part ends, in their order; what one leaves over is the next one's. The last
-twentieth is for writing."""
+"""Shares of the budget after which each part ends, in their order; what one leaves over is the next one's, and then
+that of all settings that were too long for their part, the cheapest first. The last twentieth is for writing."""
 WORST: Final = 0.3
 """The reference is never worse than is good for such an error."""
 FINE: Final = 0.12
@@ -52,6 +52,7 @@ class CostRun:
         self.budget = Budget(seconds, bench.clock)
         self.runs: list[Run] = []
         self.skipped: list[Skipped] = []
+        self._later: list[Setting] = []
         self.extras = Extras(bench, self.budget, self._skip, in_bands)
 
     def prices(self) -> list[Price]:
@@ -74,7 +75,7 @@ class CostRun:
         draft, normal, fine = qualities()
         yield from self._run(draft, 1.0, base=True)
         self.bench.reference.advance(self.budget.left(FIRST_REFERENCE))
-        yield from self._run(normal, SWEEP, base=True)
+        yield from self._run(normal, OTHER_METHODS, base=True)
         guess = self.bench.guess(fine)
         at_once = guess is not None and guess <= FINE * self.budget.seconds
         if at_once:
@@ -86,15 +87,16 @@ class CostRun:
         yield from self.extras.try_solvers(SOLVING)
         yield from self.extras.try_effects(self.runs, EFFECTS)
         yield from self.extras.try_bands(self.runs, COUNTS)
+        yield from self._sweep(self._later, AGAIN, last=True)
         yield from self._refer(LATER_REFERENCE)
         yield from self._repeat(END)
         yield from self._refer(END)
 
-    def _run(self, setting: Setting, share: float, *, base: bool = False) -> Iterator[Event]:
-        """One run, unless it is too long."""
+    def _run(self, setting: Setting, share: float, *, base: bool = False, last: bool = False) -> Iterator[Event]:
+        """One run; if it is too long it is left for later, or out if this is the last chance."""
         guess = self.bench.guess(setting)
         if guess is not None and not self.budget.holds(guess, share):
-            yield self._skip(setting, guess)
+            yield from self._put_off(setting, guess, last=last)
             return
         try:
             started = self.bench.start(setting)
@@ -109,7 +111,7 @@ class CostRun:
             yield self._skip(setting, None, f"the {twin.elements} elements of {twin.setting.name} again{bound}")
             return
         if started.predicted is not None and not self.budget.holds(started.predicted, share):
-            yield self._skip(setting, started.predicted)
+            yield from self._put_off(setting, started.predicted, last=last)
             return
         run = self.bench.finish(started)
         self.runs.append(run)
@@ -124,7 +126,14 @@ class CostRun:
         alike = [run for run in self.runs if run.setting.group == "elements" or run.setting.name == "normal"]
         return next((run for run in alike if abs(plan.n_elements / run.elements - 1.0) < SAME_ELEMENTS), None)
 
-    def _sweep(self, settings: Sequence[Setting], share: float) -> Iterator[Event]:
+    def _put_off(self, setting: Setting, predicted: float, *, last: bool) -> Iterator[Event]:
+        """Leave a setting for later; told if there is none."""
+        if last:
+            yield self._skip(setting, predicted)
+        else:
+            self._later.append(setting)
+
+    def _sweep(self, settings: Sequence[Setting], share: float, *, last: bool = False) -> Iterator[Event]:
         """All of them, the cheapest first; those of which nothing is known come after the others of their kind."""
         pending = list(settings)
         while pending:
@@ -133,7 +142,7 @@ class CostRun:
             unknown = [k for k, guess in enumerate(guesses) if guess is None]
             affordable = bool(known) and self.budget.holds(min(known)[0], share)
             chosen = min(known)[1] if affordable or not unknown else unknown[0]
-            yield from self._run(pending.pop(chosen), share)
+            yield from self._run(pending.pop(chosen), share, last=last)
 
     def _refer(self, share: float) -> Iterator[Event]:
         """Let the reference go on until it is good enough or a share of the budget is spent."""

@@ -57,6 +57,8 @@ SHORT: Final = {
 }
 """The same in names of combinations."""
 FACTORS: Final = (0.5, 2.0, 4.0)
+LEAST_FACTOR: Final = {"elements": 0.25, "gather_samples": 0.25}
+"""Of knobs that make a run much cheaper: short budgets measure little else."""
 LEAST_RAYS: Final = 16
 """From each element in every replicate, whatever is asked for."""
 REPLICATES: Final = (2, 8)
@@ -108,7 +110,7 @@ def single_knobs() -> list[Setting]:
     found = [
         Setting(f"{word} × {factor:g}", word, replace(usual, **{name: round(factor * getattr(usual, name))}))
         for name, word in KNOBS.items()
-        for factor in FACTORS
+        for factor in ([LEAST_FACTOR[name]] if name in LEAST_FACTOR else []) + list(FACTORS)
         if name != "rays_per_element" or factor * usual.rays_per_element > LEAST_RAYS * usual.replicates
     ]
     others = (lookup for lookup in get_args(Lookup) if lookup != usual.lookup)

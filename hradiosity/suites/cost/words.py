@@ -12,6 +12,8 @@ from hradiosity.suites.cost.pricing import costs_and_errors
 from hradiosity.suites.cost.values import BandsPrice, Price, Report, Skipped
 
 Rows = list[tuple[str, ...]]
+FEW: Final = ", few elements"
+"""At the end of the names of settings that differ in their form factors."""
 NONE: Final = "none"
 """In place of a number that no reading has."""
 SAME_CCT, SAME_RA, SAME = 25.0, 1.0, 0.01
@@ -106,7 +108,8 @@ def _classic_line(found: Sequence[Price], skipped: Sequence[Skipped]) -> list[st
         return [f"classic mode with {pixels}² hemicubes {reached}"]
     if left_out:
         least = min(item.predicted for item in left_out if item.predicted is not None)
-        return [f"classic mode was not run: it would have taken about {seconds_text(least)}, over the budget"]
+        why = f"about {seconds_text(least)} was more than was left of its share of the budget"
+        return [f"classic mode was not run: {why}"]
     return []
 
 
@@ -214,12 +217,29 @@ def _plain(value: float) -> str:
 
 
 def skipped_lines(skipped: Sequence[Skipped]) -> list[str]:
-    """What was not run, and why; those with one reason together."""
-    lines: dict[str, list[str]] = {}
+    """What was not run, and why, as a list in Markdown: a point a reason, and below it one a group of settings."""
+    reasons: dict[str, list[Skipped]] = {}
     for item in skipped:
-        name = item.name if item.predicted is None else f"{item.name} (about {seconds_text(item.predicted)})"
-        lines.setdefault(item.reason, []).append(name)
-    return [f"not run, {reason}: {', '.join(names)}" for reason, names in lines.items()]
+        reasons.setdefault(item.reason, []).append(item)
+    lines = []
+    for reason, items in reasons.items():
+        timed = any(item.predicted is not None for item in items)
+        lines.append(f"* {reason}{', by what they would take' if timed else ''}:")
+        groups = dict.fromkeys(item.group for item in items)
+        lines += [f"  * {_group_line(group, [item for item in items if item.group == group])}" for group in groups]
+    return lines
+
+
+def _group_line(group: str, items: Sequence[Skipped]) -> str:
+    """The settings of a group, by the seconds that they would take; the group's name is said once."""
+    ordered = sorted(items, key=lambda item: item.predicted or 0.0)
+    words = [
+        item.name.removeprefix(group).strip().removesuffix(FEW)
+        + ("" if item.predicted is None else f" {seconds_text(item.predicted)}")
+        for item in ordered
+    ]
+    few = FEW if any(item.name.endswith(FEW) for item in items) else ""
+    return f"{group}{few}: {', '.join(words)}"
 
 
 def reference_line(report: Report) -> str:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Final
 
 from hradiosity.options import Options
 from hradiosity.plan import Plan
 
 _LOOKUP_SHARE = {1: 0.4, 2: 0.67, 3: 1.0}
 """Of a path, by the hit at which it ends."""
+LEAST_GROWTH: Final = 0.7
+"""Two runs tell how a stage grows if the work of one is below this share of the other's."""
 
 
 def work_of(
@@ -34,6 +38,7 @@ def work_of(
         "exchange rays": rays,
         "exchange": rays,
         "solution": rays * columns,
+        "companion": rays * columns,
         "direct light": elements * max(options.light_points, options.replicates) * max(n_emitters, 1),
         "readings": max(n_readings * (paths + n_emitters * options.light_samples), 1.0),
     }
@@ -50,21 +55,45 @@ def work_of_plan(plan: Plan, options: Options) -> dict[str, float]:
     )
 
 
-def predict(
-    wall_seconds: float, stage_seconds: Mapping[str, float], work: Mapping[str, float], wanted: Mapping[str, float]
-) -> float:
-    """Wall seconds of a run with other work, each stage in proportion and the rest as it was.
+@dataclass(frozen=True)
+class Measured:
+    """A run that others are predicted from.
+
+    seconds : of all of it
+    stages : seconds of each stage
+    work : of each stage
+    """
+
+    seconds: float
+    stages: Mapping[str, float]
+    work: Mapping[str, float]
+
+
+def predict(base: Measured, wanted: Mapping[str, float], smaller: Measured | None = None) -> float:
+    """Seconds of a run with other work: each stage changes with its work, and the rest stays as it was.
 
     Parameters
     ----------
-    wall_seconds, stage_seconds, work
-        Of a run that was measured.
+    base : Measured
     wanted : mapping
         Work of the stages of the other run.
+    smaller : Measured, optional
+        A run with less work. Where it did less, a stage's seconds grow along the line through both, since there is
+        much that a stage takes anyway; elsewhere in proportion.
     """
     change = sum(
-        stage_seconds.get(stage, 0.0) * (amount / work[stage] - 1.0)
+        _seconds_a_unit(base, stage, smaller) * (amount - base.work[stage])
         for stage, amount in wanted.items()
-        if work.get(stage, 0.0) > 0.0
+        if base.work.get(stage, 0.0) > 0.0
     )
-    return wall_seconds + change
+    return base.seconds + change
+
+
+def _seconds_a_unit(base: Measured, stage: str, smaller: Measured | None) -> float:
+    """What more work of a stage takes, between nothing and proportion."""
+    seconds, work = base.stages.get(stage, 0.0), base.work[stage]
+    whole = seconds / work
+    if smaller is None or not 0.0 < smaller.work.get(stage, 0.0) < LEAST_GROWTH * work:
+        return whole
+    slope = (seconds - smaller.stages.get(stage, 0.0)) / (work - smaller.work[stage])
+    return min(max(slope, 0.0), whole)
