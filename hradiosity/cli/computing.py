@@ -13,7 +13,7 @@ from hradiosity.cli.live_files import LiveFiles, rescue
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
 from hradiosity.cli.request import Run
 from hradiosity.cli.sensing import SENSITIVITY_TITLE, run_sensitivity, sensitivity_lines
-from hradiosity.cli.text import note_lines
+from hradiosity.cli.text import note_lines, percent
 from hradiosity.errors import DeviceError, OutputError
 from hradiosity.io import calibration
 from hradiosity.io.checkpoint import load_checkpoint, run_digest
@@ -22,7 +22,7 @@ from hradiosity.io.results_sensitivity import sensitivity_record, write_sensitiv
 from hradiosity.io.run_record import plan_record
 from hradiosity.metrics.truncation import truncation_lines
 from hradiosity.radiosity import make_solver
-from hradiosity.radiosity.auditing import not_audited
+from hradiosity.radiosity.auditing import MOST_AUDITS, accuracy_before_factor, not_audited
 from hradiosity.radiosity.referee import Referee
 from hradiosity.solution import Solution
 
@@ -51,7 +51,7 @@ class Computation:
         interrupted = self._solve(digest)
         if interrupted and self._solver.replicates == 0:
             raise KeyboardInterrupt
-        solution, interrupted = self._audit(self._solver.solution(), interrupted)
+        solution, interrupted = self._audited(digest, interrupted)
         if self._request.outputs.sensitivity and self._scene.sensors and not interrupted:
             interrupted = self._sensitivity()
         if self._request.referee and self._scene.sensors and not interrupted:
@@ -97,6 +97,20 @@ class Computation:
             raise DeviceError(f"{error}; {rescue(self._about, self._solver, digest)}") from error
         return False
 
+    def _audited(self, digest: str, interrupted: bool) -> tuple[Solution, bool]:
+        """As `_audit`; the run goes on where only the audit's factor keeps readings from the accuracy asked for."""
+        solution, interrupted = self._audit(self._solver.solution(), interrupted)
+        for _ in range(MOST_AUDITS - 1):
+            accuracy = accuracy_before_factor(solution)
+            if accuracy is None or interrupted:
+                break
+            factor = solution.record["audit"]["factor"]
+            self._display.lines([f"intervals were too narrow by {factor:.2f}: going on to {percent(accuracy)}"])
+            self._solver.ask_for(accuracy)
+            interrupted = self._solve(digest)
+            solution, interrupted = self._audit(self._solver.solution(), interrupted)
+        return solution, interrupted
+
     def _audit(self, solution: Solution, interrupted: bool) -> tuple[Solution, bool]:
         """The solution with audited intervals, or why they are not; and whether the run was interrupted by now."""
         if not self._request.options.audit:
@@ -105,7 +119,8 @@ class Computation:
             return not_audited(solution, "interrupted"), interrupted
         start = time.perf_counter()
         solution, interrupted = run_audit(self._scene, solution, self._device, self._display)
-        self._about.seconds["audit"] = time.perf_counter() - start
+        spent = self._about.seconds.get("audit", 0.0)
+        self._about.seconds["audit"] = spent + time.perf_counter() - start
         return solution, interrupted
 
     def _sensitivity(self) -> bool:

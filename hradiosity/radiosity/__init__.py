@@ -84,9 +84,16 @@ def solve(scene: Scene, options: Options | None = None, device: Device | None = 
     solver = make_solver(scene, chosen, on)
     for _ in solver.states():
         pass
-    solution = solver.solution()
-    if chosen.audit:
-        from hradiosity.radiosity.auditing import audit
+    if not chosen.audit:
+        return solver.solution()
+    from hradiosity.radiosity.auditing import MOST_AUDITS, accuracy_before_factor, audit
 
-        solution = audit(solution, on, scene=scene)
+    for _ in range(MOST_AUDITS):
+        solution = audit(solver.solution(), on, scene=scene)
+        accuracy = accuracy_before_factor(solution)
+        if accuracy is None:
+            break
+        solver.ask_for(accuracy)
+        for _ in solver.states():
+            pass
     return solution

@@ -33,6 +33,8 @@ HEMICUBE_RAYS: Final = 14_000
 USUAL_READINGS: Final = 59
 """The least with which the factor is not the largest ratio but the third largest: one odd reading does not decide."""
 MOST_READINGS: Final = 299
+MOST_AUDITS: Final = 3
+"""Of a run that goes on until readings are accurate with the audit's factor too."""
 ENOUGH_NOISE: Final = 0.5
 """Noise over half width below which more paths would not tell more."""
 ENOUGH_READINGS: Final = 0.75
@@ -249,6 +251,20 @@ def audited(solution: Solution, found: Audit) -> Solution:
         record={**solution.record, "audit": found.record()},
         reader=None if reader is None else lambda position, normal: reader(position, normal).widened(factor),
     )
+
+
+def accuracy_before_factor(solution: Solution) -> float | None:
+    """Accuracy that the readings need before the audit's factor, where that alone keeps them from the one asked for.
+
+    None where it does not, where no accuracy was asked for, and where there is no time to go on.
+    """
+    options = solution.record["options"]
+    wanted = options["accuracy"]
+    factor = solution.record.get("audit", {}).get("factor", 1.0)
+    worst = max((float(found.accuracy.max()) for found in solution.readings.values()), default=0.0)
+    if wanted is None or options["time"] is not None or factor <= 1.0 or not wanted < worst <= factor * wanted:
+        return None
+    return float(wanted / factor)
 
 
 def audit(solution: Solution, device: Device | None = None, *, scene: Scene | None = None) -> Solution:

@@ -11,6 +11,7 @@ from cli_room import ROOM
 from hradiosity.radiosity import auditing
 from hradiosity.readings.audit_batch import ReadingBatch
 
+LUX = ("illuminance_lx", "illuminance_half_width_lx")
 QUICK = (*("--element-size", "0.7", "--gather-samples", "1024", "--light-samples", "64"), "--no-pictures")
 TABLES = ("readings.csv", "spectra.csv", "spectra_half_width.csv")
 
@@ -112,10 +113,26 @@ def test_interrupted_audit_keeps_the_results(grid, call, tmp_path, monkeypatch):
         assert (tmp_path / "out" / name).read_bytes() == (tmp_path / "whole" / name).read_bytes()
 
 
-def test_accuracy_that_only_the_factor_misses(grid, call, tmp_path, factor):
+def test_a_run_goes_on_until_its_readings_are_accurate_with_the_factor_too(grid, call, tmp_path, factor):
+    factor(1.0)
+    assert call("render", grid, "-o", tmp_path / "plain", *QUICK).code == 0
+    rows = table(tmp_path / "plain" / "readings.csv")
+    value, half = (numbers(tmp_path / "plain" / "readings.csv", rows[0].index(name))[:, 0] for name in LUX)
+    wanted = 100.0 * 1.2 * float((half / value).max())
+    factor(1.6)
+    outcome = call("render", grid, "-o", tmp_path / "out", "--accuracy", f"{wanted:.4f}%", *QUICK)
+    assert outcome.code == 0
+    assert "intervals were too narrow by 1.60: going on to" in outcome.out
+    found, before = run_json(tmp_path / "out"), run_json(tmp_path / "plain")
+    assert found["state"] == "complete"
+    assert found["rays"] > before["rays"]
+
+
+def test_accuracy_that_only_the_factor_misses_in_the_time_given(grid, call, tmp_path, factor):
     factor(1000.0)
-    outcome = call("render", grid, "-o", tmp_path / "out", "--accuracy", "50%", *QUICK)
+    outcome = call("render", grid, "-o", tmp_path / "out", "--accuracy", "50%", "--time", "60s", *QUICK)
     assert outcome.code == 3
     assert "with the audit's factor" in outcome.out
     assert "--resume --accuracy 0.05%" in outcome.out
     assert run_json(tmp_path / "out")["state"] == "accuracy not reached"
+
