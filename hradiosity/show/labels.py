@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -12,6 +15,8 @@ if TYPE_CHECKING:
     from matplotlib.transforms import Bbox
 
 INK: Final = "#222222"
+_ROOMS: Final = (18.0, 5.0)
+"""Between a name and the marks of others, in pixels: enough that it is not taken for theirs, or what will just do."""
 _PLACES: Final = (
     *((10, 5, "left"), (10, -12, "left"), (-10, 5, "right"), (-10, -12, "right")),
     *((12, 24, "left"), (-12, -30, "right"), (12, -30, "left"), (-12, 24, "right")),
@@ -42,11 +47,12 @@ def label_points(
     from matplotlib.patheffects import withStroke
     from matplotlib.text import Text
 
-    marks = [axes.transData.transform(point) for point in points]
+    marks = [tuple(axes.transData.transform(point)) for point in points]
     frame = axes.get_window_extent(renderer)
     taken: list[Any] = [Text.get_window_extent(text, renderer) for text in axes.texts]
     for x, y, text in sorted(texts):
-        for dx, dy, side in _PLACES:
+        own = axes.transData.transform((x, y))
+        for room, (dx, dy, side) in product(_ROOMS, _PLACES):
             note = axes.annotate(
                 text,
                 (x, y),
@@ -62,11 +68,16 @@ def label_points(
             box = _text_box(note, renderer)
             inside = frame.x0 <= box.x0 and box.x1 <= frame.x1 and frame.y0 <= box.y0 and box.y1 <= frame.y1
             free = not any(box.overlaps(other) for other in taken)
-            clear = not any(box.x0 - 5 < mx < box.x1 + 5 and box.y0 - 5 < my < box.y1 + 5 for mx, my in marks)
+            clear = not any(_is_near(box, mark, 5.0 if np.allclose(mark, own) else room) for mark in marks)
             if inside and free and clear:
                 taken.append(box)
                 break
             note.remove()
+
+
+def _is_near(box: Bbox, mark: tuple[float, ...], room: float) -> bool:
+    """Whether a mark lies on the words, or in so much room [pixels] around them."""
+    return bool(box.x0 - room < mark[0] < box.x1 + room and box.y0 - room < mark[1] < box.y1 + room)
 
 
 def _text_box(note: Annotation, renderer: RendererBase) -> Bbox:

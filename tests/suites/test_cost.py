@@ -73,6 +73,7 @@ def run_of(setting, lux, seconds, *, seed=0, spread=0.0, elements=1000):
         elements=elements,
         replicates=4,
         cpu_seconds=seconds,
+        busy_seconds=seconds,
         wall_seconds=seconds,
         memory_bytes=2**20,
         stage_seconds={"geometry": 0.0, "readings": seconds},
@@ -211,9 +212,9 @@ def test_settings_that_were_not_run_are_told_by_groups():
         Skipped("auto, few elements", "form factors", None, "refused"),
     ]
     assert skipped_lines(skipped) == [
-        "* too long, by what they would take:",
-        "  * elements: × 2 16 s, × 4 25 s",
-        "  * form factors, few elements: hemicube 30 s",
+        "* too long (what they would take):",
+        "  * elements: × 2 (16 s), × 4 (25 s)",
+        "  * form factors, few elements: hemicube (30 s)",
         "* refused:",
         "  * form factors, few elements: auto",
     ]
@@ -337,9 +338,9 @@ def test_prediction_scales_stages():
 
 
 def test_two_runs_tell_what_a_stage_takes_anyway():
-    """2 s at 10 units and 1 s at 5: 3 s at 15. 2 s and 1.8 s: 2.2 s. With work alike there is no line."""
+    """2 s at 10 units and 1 s at 5: 3 s at 15. 2 s and 1.4 s: 2.6 s. With work alike there is no line."""
     base = Measured(5.0, {"readings": 2.0}, {"readings": 10.0})
-    for seconds, expected in ((1.0, 6.0), (1.8, 5.2), (2.5, 5.0), (0.1, 6.0)):
+    for seconds, expected in ((1.0, 6.0), (1.4, 5.6), (2.5, 5.3), (0.1, 6.0)):
         smaller = Measured(1.0, {"readings": seconds}, {"readings": 5.0})
         assert predict(base, {"readings": 15.0}, smaller) == pytest.approx(expected)
     alike = Measured(1.0, {"readings": 1.9}, {"readings": 9.0})

@@ -6,8 +6,6 @@ import time
 from dataclasses import dataclass, replace
 from typing import Final
 
-import numpy as np
-
 from hradiosity.device import Device
 from hradiosity.io.calibration import load_calibration, measure
 from hradiosity.model.scene import Scene
@@ -46,6 +44,7 @@ class Started:
 
     predicted : wall seconds of all of it; None when nothing of its mode was measured
     begun : by the clock of the bench
+    busy_before : CPU seconds of the process when it began
     """
 
     setting: Setting
@@ -55,6 +54,7 @@ class Started:
     predicted: float | None
     memory: PeakMemory
     begun: float
+    busy_before: float
 
 
 class SceneBench:
@@ -74,10 +74,11 @@ class SceneBench:
         self._base: Run | None = None
         self._measured: list[Measured] = []
         self._pairs: dict[int, int] = {}
-        self._paces: list[float] = []
+        self._wall, self._busy = 0.0, 0.0
         speed = load_calibration(device.description, "classic")
         self._classic = speed if isinstance(speed, ClassicCalibration) else UNMEASURED
         self._classic_plan: Plan | None = None
+        self._classic_ran = False
 
     def clock(self) -> float:
         """Wall seconds, those for building kernels left out, which no later run takes."""
@@ -104,7 +105,7 @@ class SceneBench:
         SceneError
             When the setting is impossible for the scene.
         """
-        memory, begun = PeakMemory(), self.clock()
+        memory, begun, busy = PeakMemory(), self.clock(), self.device.work_cpu_seconds()
         solver = make_solver(scene or self.scene, replace(setting.options, seed=seed), self.device)
         plan = solver.plan
         predicted: float | None = None
@@ -117,7 +118,7 @@ class SceneBench:
             predicted = self._predict(work_of_plan(plan, setting.options))
             predicted += plan.pairs * PAIR_SECONDS.get(setting.options.form_factors, 0.0)
             predicted *= LINKS_OVER_ROWS if setting.options.links == "hierarchical" else 1.0
-        return Started(setting, seed, solver, plan, predicted, memory, begun)
+        return Started(setting, seed, solver, plan, predicted, memory, begun, busy)
 
     def finish(self, started: Started) -> Run:
         """Run what was started."""
@@ -128,7 +129,8 @@ class SceneBench:
         record = solution.record
         if setting.options.mode == "classic":
             measured = measure(solution)
-            self._classic = measured if isinstance(measured, ClassicCalibration) else self._classic
+            if isinstance(measured, ClassicCalibration):
+                self._classic, self._classic_ran = measured, True
         work = {} if setting.options.mode == "classic" else work_of_plan(started.plan, setting.options)
         of_host = "CPU" in self.device.info.kind.upper()
         run = Run(
@@ -137,6 +139,7 @@ class SceneBench:
             elements=len(solution.elements),
             replicates=solution.replicates,
             cpu_seconds=solver.cpu_seconds,
+            busy_seconds=self.device.work_cpu_seconds() - started.busy_before,
             wall_seconds=self.clock() - started.begun,
             memory_bytes=started.memory.added() if of_host else started.plan.memory_bytes,
             stage_seconds=dict(record["stage_seconds"]),
@@ -144,15 +147,15 @@ class SceneBench:
             readings=solution.readings,
             convergence=record["solver"][-1] if record["solver"] else {},
         )
-        self._paces.append(run.wall_seconds / max(run.cpu_seconds, 1e-3))
+        self._wall, self._busy = self._wall + run.wall_seconds, self._busy + run.busy_seconds
         return run
 
     def learn(self, run: Run, plan: Plan) -> None:
         """Predict further runs from this one, and from the one before."""
         self._base = run
-        share = run.cpu_seconds / run.wall_seconds
+        share = run.busy_seconds / run.wall_seconds
         stages = {stage: share * seconds for stage, seconds in run.stage_seconds.items()}
-        self._measured.append(Measured(run.cpu_seconds, stages, run.work))
+        self._measured.append(Measured(run.busy_seconds, stages, run.work))
         self._sizes = {
             "n_readings": plan.n_readings,
             "n_emitters": plan.n_emitters,
@@ -160,15 +163,21 @@ class SceneBench:
         }
 
     def _predict(self, work: dict[str, float]) -> float:
-        """CPU seconds times how much longer runs have taken so far, of which one alone may have been held up."""
+        """CPU seconds times the pace of all runs so far, of which one alone may have been held up."""
         if not self._measured:
             raise RuntimeError("nothing was measured yet")
         *before, base = self._measured
-        return float(np.median(self._paces)) * predict(base, work, before[-1] if before else None)
+        return self._pace() * predict(base, work, before[-1] if before else None)
+
+    def _pace(self) -> float:
+        """Wall over CPU seconds of all runs so far."""
+        return self._wall / max(self._busy, 1e-3)
 
     def _classic_seconds(self, plan: Plan, setting: Setting) -> float:
         """From the hemicubes and products of a plan, which hardly depend on the resolution."""
         options = setting.options
         drawing = plan.hemicubes * pixels_drawn(options.hemicube_resolution, plan.n_patches)
         moved = (plan.shots + plan.hemicubes) * plan.shooters * max(plan.columns.n_columns, 1)
-        return drawing * self._classic.seconds_per_pixel + moved * self._classic.seconds_per_product
+        seconds = drawing * self._classic.seconds_per_pixel + moved * self._classic.seconds_per_product
+        # Speeds of other times know nothing of what else the machine does now.
+        return seconds if self._classic_ran else seconds * max(self._pace(), 1.0)

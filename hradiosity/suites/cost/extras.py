@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Sequence
 from typing import Final, TypeAlias
 
@@ -106,10 +105,10 @@ class Extras:
         draft = next((run for run in runs if run.setting.name == "draft"), None)
         if draft is None or self._in_bands is None:
             return
-        per_column = draft.wall_seconds if self._budget.holds(2.0 * draft.wall_seconds, share) else math.inf
+        per_column = draft.wall_seconds
         for count in BANDS:
             setting = for_bands(count)
-            if not self._budget.holds(per_column, share):
+            if not self._budget.holds(per_column if self._bands else 3.0 * per_column, share):
                 yield self._skip(setting, per_column, OVER)
                 continue
             try:

@@ -20,6 +20,8 @@ from hradiosity.transport.device_scene import upload_scene
 
 SEED: Final = 0x7F4A7C15
 """Far from the seeds of users, so that runs and reference share no random numbers."""
+GROWTH: Final = 4
+"""Paths of a round over those before it, at most."""
 ROUND_SHARE: Final = 0.25
 """Of the time that is left, which one round may take."""
 
@@ -107,7 +109,7 @@ class GrowingReference:
         return float(np.sqrt(np.mean((error[lit] / value[lit]) ** 2))) if lit.any() else 0.0
 
     def _next_count(self, seconds: float) -> int:
-        """Paths of each scramble in the next round: as many as there are already, if time and device allow."""
+        """Paths of each scramble in the next round: `GROWTH` times those before, if time and device allow."""
         done = self._totals.paths
         if not math.isfinite(self._seconds_per_path):
             return self._step
@@ -115,7 +117,7 @@ class GrowingReference:
         if fits < self._step:
             return 0
         usual = ROUND_PATHS // max(len(self._position) * SCRAMBLES, 1)
-        most = max(self._step, min(done, usual, int(ROUND_SHARE * fits)))
+        most = max(self._step, min(GROWTH * done, usual, int(ROUND_SHARE * fits)))
         return self._step * (1 << int(math.log2(most / self._step)))
 
     def _take(self, kept: RefereeSamples) -> None:

@@ -19,7 +19,7 @@ from hradiosity.suites.cost.values import Price, Run, Skipped
 FIRST_REFERENCE: Final = 0.18
 SWEEP, COMBINATIONS, OTHER_METHODS = 0.36, 0.42, 0.54
 SOLVING, EFFECTS, COUNTS = 0.58, 0.63, 0.70
-AGAIN, LATER_REFERENCE = 0.76, 0.86
+AGAIN, LATER_REFERENCE = 0.70, 0.86
 END: Final = 0.95
 """Shares of the budget after which each part ends, in their order; what one leaves over is the next one's, and then
 that of all settings that were too long for their part, the cheapest first. The last twentieth is for writing."""
@@ -84,9 +84,10 @@ class CostRun:
         yield from self._sweep([*([] if at_once else [fine]), *single_knobs()], SWEEP)
         yield from self._combine(COMBINATIONS)
         yield from self._sweep([*methods(), *classic()], OTHER_METHODS)
-        yield from self.extras.try_solvers(SOLVING)
-        yield from self.extras.try_effects(self.runs, EFFECTS)
-        yield from self.extras.try_bands(self.runs, COUNTS)
+        if not any(setting.group == "quality" and setting.name != fine.name for setting in self._later):
+            yield from self.extras.try_solvers(SOLVING)
+            yield from self.extras.try_effects(self.runs, EFFECTS)
+            yield from self.extras.try_bands(self.runs, COUNTS)
         yield from self._sweep(self._later, AGAIN, last=True)
         yield from self._refer(LATER_REFERENCE)
         yield from self._repeat(END)

@@ -16,7 +16,7 @@ class Run:
     """One setting with one seed.
 
     cpu_seconds : from the ray structure to the last reading, kernels and checks left out
-    wall_seconds : of all of it
+    busy_seconds, wall_seconds : of all of it: CPU and wall
     memory_bytes : added to the process at the peak, or what the plan says of another memory; None if unknown
     stage_seconds : wall seconds of each stage
     work : of each stage, see `hradiosity.suites.cost.work`
@@ -28,6 +28,7 @@ class Run:
     elements: int
     replicates: int
     cpu_seconds: float
+    busy_seconds: float
     wall_seconds: float
     memory_bytes: int | None
     stage_seconds: Mapping[str, float]

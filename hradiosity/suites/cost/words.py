@@ -224,7 +224,7 @@ def skipped_lines(skipped: Sequence[Skipped]) -> list[str]:
     lines = []
     for reason, items in reasons.items():
         timed = any(item.predicted is not None for item in items)
-        lines.append(f"* {reason}{', by what they would take' if timed else ''}:")
+        lines.append(f"* {reason}{' (what they would take)' if timed else ''}:")
         groups = dict.fromkeys(item.group for item in items)
         lines += [f"  * {_group_line(group, [item for item in items if item.group == group])}" for group in groups]
     return lines
@@ -235,7 +235,7 @@ def _group_line(group: str, items: Sequence[Skipped]) -> str:
     ordered = sorted(items, key=lambda item: item.predicted or 0.0)
     words = [
         item.name.removeprefix(group).strip().removesuffix(FEW)
-        + ("" if item.predicted is None else f" {seconds_text(item.predicted)}")
+        + ("" if item.predicted is None else f" ({seconds_text(item.predicted)})")
         for item in ordered
     ]
     few = FEW if any(item.name.endswith(FEW) for item in items) else ""

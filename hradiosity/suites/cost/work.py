@@ -13,6 +13,8 @@ _LOOKUP_SHARE = {1: 0.4, 2: 0.67, 3: 1.0}
 """Of a path, by the hit at which it ends."""
 LEAST_GROWTH: Final = 0.7
 """Two runs tell how a stage grows if the work of one is below this share of the other's."""
+LEAST_SLOPE: Final = 0.3
+"""Of proportion: short stages are timed badly where the machine has other work."""
 
 
 def work_of(
@@ -90,10 +92,10 @@ def predict(base: Measured, wanted: Mapping[str, float], smaller: Measured | Non
 
 
 def _seconds_a_unit(base: Measured, stage: str, smaller: Measured | None) -> float:
-    """What more work of a stage takes, between nothing and proportion."""
+    """What more work of a stage takes, between a share of proportion and all of it."""
     seconds, work = base.stages.get(stage, 0.0), base.work[stage]
     whole = seconds / work
     if smaller is None or not 0.0 < smaller.work.get(stage, 0.0) < LEAST_GROWTH * work:
         return whole
     slope = (seconds - smaller.stages.get(stage, 0.0)) / (work - smaller.work[stage])
-    return min(max(slope, 0.0), whole)
+    return min(max(slope, LEAST_SLOPE * whole), whole)
