@@ -102,14 +102,14 @@ class Calibration:
 
     exchange_rays_per_s : exchange rays from row elements
     shadow_rays_per_s : shadow rays from row elements
-    paths_per_s : paths from readings, lamps at their hits included
+    reading_paths_per_s : paths from readings, see `hradiosity.planning_seconds.reading_paths`
     exchange_s_per_ray : pooling and closing the exchange, for each exchange ray
-    solve_s_per_ray_column : solution, for each exchange ray and right-hand side
+    solve_s_per_ray_column : solution, for each right-hand side and ray of `hradiosity.planning_seconds.solution_rays`
     """
 
     exchange_rays_per_s: float
     shadow_rays_per_s: float
-    paths_per_s: float
+    reading_paths_per_s: float
     exchange_s_per_ray: float
     solve_s_per_ray_column: float
 

@@ -14,6 +14,7 @@ from hradiosity.model.variants import stacked_emission, stacked_reflectance, sta
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, Effect, Plan, SightShare, SpectralColumns
 from hradiosity.planning_memory import element_bytes, path_bytes
+from hradiosity.planning_seconds import shadow_seconds, with_seconds
 from hradiosity.space.convexity import is_convex
 from hradiosity.space.hierarchy import Elements
 from hradiosity.space.lit_sides import LitSides
@@ -190,7 +191,7 @@ def sized(plan: Plan, n_elements: int, calibration: Calibration | None = None) -
     """The plan for another number of elements than it was made for, memory and seconds included."""
     changed = replace(plan, n_elements=n_elements)
     changed = replace(changed, memory_bytes=element_bytes(changed) + path_bytes(changed))
-    return changed if calibration is None else _with_seconds(changed, calibration)
+    return changed if calibration is None else with_seconds(changed, calibration)
 
 
 def with_sight(
@@ -215,7 +216,7 @@ def with_sight(
     """
     facing = max(int(np.count_nonzero(sight != HIDDEN)), 1)
     free = np.count_nonzero(sight == FREE) / facing
-    saved = 0.0 if calibration is None else free * _shadow_seconds(plan, calibration)
+    saved = 0.0 if calibration is None else free * shadow_seconds(plan, calibration)
     whole = int((sight != UNKNOWN).all(axis=0).sum())
     if whole == plan.n_emitters and readings_proved:
         because = "nothing stands between lamps, surfaces and readings: proved by shafts"
@@ -245,35 +246,6 @@ def sight_shares(
             counts = int(of_kind.sum()), int(facing[of_kind].sum()), int(free[of_kind].sum())
             out.append(SightShare(scene.luminaires[k].name, int(s), *counts))
     return tuple(out)
-
-
-def _shadow_seconds(plan: Plan, calibration: Calibration) -> float:
-    """Expected seconds of all shadow rays from elements."""
-    return plan.replicates * plan.n_elements * plan.n_emitters * plan.light_points / calibration.shadow_rays_per_s
-
-
-def _with_seconds(plan: Plan, calibration: Calibration) -> Plan:
-    """The plan with expected seconds, and what the effects that are left out save."""
-    rays = plan.replicates * plan.n_elements * plan.rays_per_element
-    shadows = _shadow_seconds(plan, calibration)
-    reflection = (
-        rays * 8 * plan.columns.n_groups * calibration.solve_s_per_ray_column
-        + plan.replicates * plan.n_readings * plan.gather_samples / calibration.paths_per_s
-    )
-    share = plan.columns.n_groups * 8 / max(plan.n_bands, 1)
-    saved = {
-        "occlusion": shadows,
-        "interreflection": reflection,
-        "bands singly": rays * plan.n_bands * calibration.solve_s_per_ray_column * max(0.0, 1.0 - share),
-    }
-    seconds = rays * (1.0 / calibration.exchange_rays_per_s + calibration.exchange_s_per_ray)
-    seconds += shadows if plan.occlusion else 0.0
-    seconds += reflection if plan.interreflection else 0.0
-    effects = tuple(
-        effect if effect.needed else replace(effect, saved_seconds=saved.get(effect.name, 0.0))
-        for effect in plan.effects
-    )
-    return replace(plan, effects=effects, seconds=seconds)
 
 
 def _occlusion(scene: Scene, options: Options) -> Effect:

@@ -10,6 +10,7 @@ from hradiosity.io.cache import load_devices, store_devices
 from hradiosity.options import Mode
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.planning_classic import pixels_drawn, products
+from hradiosity.planning_seconds import reading_paths, solution_rays
 from hradiosity.solution import Solution
 
 _KEPT_BUILDS = 200
@@ -68,21 +69,21 @@ def _measure_classic(solution: Solution) -> ClassicCalibration | None:
 
 def _measure_rays(solution: Solution) -> Calibration | None:
     plan, seconds, count = solution.plan, solution.record["stage_seconds"], solution.replicates
-    rows, readings = len(solution.elements), plan.n_readings
+    rows = len(solution.elements)
     rays = count * rows * plan.rays_per_element
     shadow_rays = count * rows * plan.n_emitters * plan.light_points
-    paths = count * readings * plan.gather_samples
+    paths = count * reading_paths(plan)
     stages = ("exchange rays", "direct light", "exchange", "solution", "readings")
-    if not (plan.interreflection and plan.occlusion and paths and shadow_rays):
+    if not (plan.interreflection and plan.occlusion and plan.n_readings and shadow_rays):
         return None
     if any(seconds.get(stage, 0.0) < 0.01 for stage in stages):
         return None
     return Calibration(
         exchange_rays_per_s=rays / seconds["exchange rays"],
         shadow_rays_per_s=shadow_rays / seconds["direct light"],
-        paths_per_s=paths / seconds["readings"],
+        reading_paths_per_s=paths / seconds["readings"],
         exchange_s_per_ray=seconds["exchange"] / rays,
         solve_s_per_ray_column=(seconds["solution"] + seconds.get("companion", 0.0))
-        / rays
+        / (count * solution_rays(plan, rows))
         / (8 * plan.columns.n_groups),
     )

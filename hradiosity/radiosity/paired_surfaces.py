@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +11,7 @@ from scipy.sparse import csr_array, diags_array
 
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning_classic import VISIBLE_SHARE, pixels_drawn
+from hradiosity.planning_seconds import hemicube_seconds, pair_seconds
 from hradiosity.radiosity.shooting import LEAST_PIXELS, ShootingPoints, shooting_points
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.space.hierarchy import Elements
@@ -33,14 +34,6 @@ from hradiosity.transport.pair_sight import open_share
 
 COMPARED_PAIRS = 100_000
 """Pairs of elements whose two directions are compared."""
-VISIBILITY_RAYS: Final = 1.0
-"""Of a pair and replicate, about: four where nothing is proved, in large batches."""
-PROOF_RAYS: Final = 2.0
-"""Exchange rays that take as long as a proof that nothing stands between a pair."""
-CLOSING_SHARE, SOLUTION_SHARE = 0.5, 0.2
-"""What a link of a pair takes to close and to solve, of what a ray does: many links share what a row takes anyway."""
-RAYS_OF_A_PIXEL: Final = 0.045
-"""Exchange rays that take as long as a pixel of a hemicube, halves for intervals included."""
 
 
 class PairedSurfaces(SurfaceSolver):
@@ -85,7 +78,7 @@ class PairedSurfaces(SurfaceSolver):
         if known is None or plan.seconds is None:
             return sized
         times = plan.replicates if method in RANDOM else 1
-        return replace(sized, seconds=plan.seconds + _pair_seconds(sized, known, times * RAYS_OF_A_PAIR[method]))
+        return replace(sized, seconds=plan.seconds + pair_seconds(sized, known, times * RAYS_OF_A_PAIR[method]))
 
     def _exchange(self, hits: RowHits, seed: int) -> ClosedRows:
         pairs = self._row_pairs(seed)
@@ -140,20 +133,6 @@ class PairedSurfaces(SurfaceSolver):
         }
 
 
-def _pair_seconds(plan: Plan, calibration: Calibration, rays_of_a_pair: float) -> float:
-    """Expected seconds of form factors, and of visibility, closing and solution with so many links in place of rays."""
-    rays = plan.n_elements * plan.rays_per_element
-    visibility = VISIBILITY_RAYS * plan.pairs / calibration.shadow_rays_per_s if plan.occlusion else 0.0
-    factors = (rays_of_a_pair + PROOF_RAYS * plan.occlusion) * plan.pairs / calibration.exchange_rays_per_s
-    return factors + plan.replicates * (visibility + _link_seconds(plan, calibration, max(2 * plan.pairs - rays, 0)))
-
-
-def _link_seconds(plan: Plan, calibration: Calibration, links: float) -> float:
-    """Expected seconds of closing and solution with so many links more than there are rays."""
-    solution = 8 * plan.columns.n_groups * calibration.solve_s_per_ray_column
-    return links * (CLOSING_SHARE * calibration.exchange_s_per_ray + SOLUTION_SHARE * solution)
-
-
 class HemicubeSurfaces(SurfaceSolver):
     """Exchange from a hemicube over a random point of each row element, drawn and turned afresh for each seed."""
 
@@ -189,9 +168,8 @@ class HemicubeSurfaces(SurfaceSolver):
         if known is None or plan.seconds is None:
             return sized
         pixels = n_rows * pixels_drawn(self.options.hemicube_resolution, plan.n_patches)
-        drawing = RAYS_OF_A_PIXEL * pixels / known.exchange_rays_per_s
-        links = _link_seconds(plan, known, VISIBLE_SHARE * n_rows**2)
-        return replace(sized, seconds=plan.seconds + plan.replicates * (drawing + links))
+        more = hemicube_seconds(sized, known, pixels, VISIBLE_SHARE * n_rows**2)
+        return replace(sized, seconds=plan.seconds + more)
 
     def _exchange(self, hits: RowHits, seed: int) -> ClosedRows:
         if self._hemicube is None:

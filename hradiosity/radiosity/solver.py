@@ -18,6 +18,7 @@ from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import make_plan
 from hradiosity.planning_memory import check_fits
+from hradiosity.planning_seconds import with_geometry
 from hradiosity.radiosity.budget import Accuracies, Round
 from hradiosity.radiosity.checkpoint import pack_record, pack_round, unpack_record, unpack_round
 from hradiosity.radiosity.geometry import Geometry, find_geometry
@@ -240,6 +241,7 @@ class RadiositySolver:
                 surfaces.plan = surfaces.sized_plan(self._calibration)
                 check_fits(surfaces.plan, self.device)
                 self._surfaces = surfaces
+            surfaces.plan = with_geometry(surfaces.plan, self.record.seconds)
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
         return self._surfaces
 

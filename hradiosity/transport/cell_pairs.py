@@ -42,11 +42,11 @@ MOST_BYTES: Final = 2**32
 """Of all that is held for pairs."""
 RAYS_OF_A_PAIR: Final[Mapping[str, float]] = MappingProxyType(
     {
-        "auto": 1.5,
-        "contour": 5.0,
-        "hemisphere": 45.0,
-        "quasi-hemisphere": 12.0,
-        "monte-carlo": 13.0,
+        "auto": 2.0,
+        "contour": 8.0,
+        "hemisphere": 80.0,
+        "quasi-hemisphere": 24.0,
+        "monte-carlo": 22.0,
         "point": 1.0,
         "point-disk": 1.0,
     }

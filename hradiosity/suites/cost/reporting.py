@@ -2,19 +2,15 @@
 
 from __future__ import annotations
 
-from typing import Final
-
 import numpy as np
 
 from hradiosity.io.learnt import Learnt
 from hradiosity.options import Options
+from hradiosity.planning_seconds import BEFORE
 from hradiosity.suites.cost.bench import SceneBench
 from hradiosity.suites.cost.pricing import Truth, largest_spread, prices
 from hradiosity.suites.cost.running import CostRun
 from hradiosity.suites.cost.values import Report
-
-BEFORE: Final = ("geometry", "check")
-"""Stages before the first replicate."""
 
 
 def report_of(run: CostRun, bench: SceneBench, *, complete: bool) -> Report:
