@@ -16,8 +16,9 @@ from hradiosity.model.spectrum import Bands
 from hradiosity.suites.bench import figure, peer_radiance, peers, ratios, report, sections
 from hradiosity.suites.bench.command import main
 from hradiosity.suites.bench.figure import Figure, exact_figure, figure_of
-from hradiosity.suites.bench.scenes import scene_file
+from hradiosity.suites.bench.scenes import error_figures, scene_file
 from hradiosity.suites.bench.session import Session
+from hradiosity.suites.compare import Comparison
 
 
 def a_report(*figures, **changes):
@@ -187,3 +188,17 @@ def test_radiance_is_given_all_patches(device):
     assert text.count("lamp0 polygon ") == len(scene.emitters)
     with pytest.raises(ValueError, match="only area emitters"):
         peer_radiance.scene_text(replace(scene, emitters=replace(scene.emitters, patch=scene.emitters.patch * 0 - 1)))
+
+
+def test_errors_within_the_noise_of_the_reference_are_not_told(device):
+    """Half of what is measured at most may be the reference's own."""
+    usual = Comparison(9, 0.10, 0.08, 0.2, 0.3, 0.0, 0.04, 0.041, 1.0, 1.0)
+    session = Session(device)
+    assert [f.value for f in error_figures(session, "room", [usual])] == [0.10]
+    assert session.notes == ["room, illuminance rms is not told: 8 % against a reference with 4.1 % of noise"]
+
+
+def test_what_mitsuba_lacks_is_told():
+    newer = peers._why("\nLLVM ERROR: Cannot select\nIn function: drjit_dc\n")
+    assert newer.startswith("In function: drjit_dc; a newer LLVM") and "DRJIT_LIBLLVM_PATH" in newer
+    assert peers._why("ValueError: a sky\n") == "ValueError: a sky" and peers._why("") == "it wrote no message"

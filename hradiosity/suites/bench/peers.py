@@ -31,8 +31,13 @@ from hradiosity.suites.bench.scenes import reference, scene_file
 from hradiosity.suites.bench.session import Session
 from hradiosity.suites.compare import counted_bands
 
+SCENE: Final = "cornell_box"
 JOINED: Final = 4
 """So many of the scene's bands make one; the first band is left out, since 81 is not divisible."""
+
+
+COMPILER: Final = ("LLVM", "In function: drjit")
+"""Words of messages that come from Mitsuba's compiler."""
 
 
 @dataclass(frozen=True)
@@ -78,11 +83,11 @@ def errors(found: NDArray[np.float64], known: NDArray[np.float64], bands: Bands)
 
 def measure(session: Session) -> list[Figure]:
     """CPU seconds and errors of each program, repeated with other random numbers."""
-    path = scene_file(session, "cornell_box")
+    path = scene_file(session, SCENE)
     if path is None:
         return []
     scene = load_scene(path)
-    known = reference(session, scene)
+    known = reference(session, SCENE, scene)
     turns = 2 if session.quick else 4
     _ours(scene, session, 0)
     own = [_ours(scene, session, seed) for seed in range(1, turns + 1)]
@@ -126,13 +131,23 @@ def _mitsuba(session: Session, scene: Path, budget: float, turns: int) -> list[A
         command = ("-m", "hradiosity.suites.bench.peer_mitsuba", str(scene), str(result), str(budget), str(turns))
         done = subprocess.run([sys.executable, *command], capture_output=True, text=True, check=False)
         if done.returncode:
-            session.notes.append(
-                "Mitsuba failed and was skipped; it needs an LLVM library that knows this processor, which the "
-                "environment variable DRJIT_LIBLLVM_PATH may name"
-            )
+            session.notes.append(f"Mitsuba failed and was skipped: {_why(done.stderr)}")
             return []
         with np.load(result) as kept:
             return [Answer(join_light(e), float(s)) for e, s in zip(kept["irradiance"], kept["cpu_seconds"])]
+
+
+def _why(errors: str) -> str:
+    """What its process wrote last, and what helps where that is of its compiler.
+
+    With LLVM 15, which it finds on Debian 12, no instruction could be selected for a recent Xeon; LLVM 22 served.
+    """
+    lines = [line.strip() for line in errors.splitlines() if line.strip()]
+    said = lines[-1] if lines else "it wrote no message"
+    if not any(word in errors for word in COMPILER):
+        return said
+    newer = "a newer LLVM library knows this processor (15 failed on one that 22 worked on)"
+    return f"{said}; {newer}: name its file in the environment variable DRJIT_LIBLLVM_PATH"
 
 
 def _radiance(scene: Scene, settings: tuple[str, ...]) -> Answer:
