@@ -261,7 +261,8 @@ class Plan:
         if self.size_bound:
             counts = f"{self.elements_asked} asked for, {self.n_elements} made"
             out.append(f"elements: {counts}: {self.size_bound}; --element-size forces it")
-        known = "not measured on this device yet" if self.seconds is None else f"about {self.seconds:.2g} s"
+        aside = "reading files, pictures and the audit aside"
+        known = "not measured on this device yet" if self.seconds is None else f"about {self.seconds:.2g} s, {aside}"
         return [*out, f"time: {known}"]
 
     def _effort(self) -> str:

@@ -14,7 +14,7 @@ READING_PATHS: Final = 300
 """Paths that take as long as all else about a reading in a replicate: shadow rays, and what is derived from it."""
 SOLUTION_RAYS: Final = 50_000
 """Exchange rays whose part in a solution takes as long as what a solution takes anyway."""
-PROOF, VISIBILITY, PIXEL = 5.0, 2.1, 0.09
+PROOF, VISIBILITY, PIXEL = 5.0, 2.4, 0.09
 """Of what an exchange ray takes to close: a proof that nothing stands between a pair, its visibility in a replicate,
 and a pixel of a hemicube; replicates with half the samples, for the intervals, included."""
 CLOSING, SOLUTION = 0.3, 0.2

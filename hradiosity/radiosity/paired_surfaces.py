@@ -67,20 +67,14 @@ class PairedSurfaces(SurfaceSolver):
         n_pairs = self._cell_pairs().count()
         check_pairs(n_pairs, len(self.elements), method)
         known = calibration if isinstance(calibration, Calibration) else None
-        plan = super().sized_plan(known)
-        sized = replace(
-            plan,
-            form_factors=method,
-            pairs=n_pairs,
-            most_pairs=most_pairs(),
-            memory_bytes=plan.memory_bytes + pair_bytes(n_pairs),
-        )
+        plan = _with_pairs(super().sized_plan(known), method, n_pairs)
         if known is None or plan.seconds is None:
-            return sized
+            return plan
         times = plan.replicates if method in RANDOM else 1
-        return replace(sized, seconds=plan.seconds + pair_seconds(sized, known, times * RAYS_OF_A_PAIR[method]))
+        return replace(plan, seconds=plan.seconds + pair_seconds(plan, known, times * RAYS_OF_A_PAIR[method]))
 
     def _exchange(self, hits: RowHits, seed: int) -> ClosedRows:
+        """Exchange of one replicate; origins, covered parts and the outside come from the rays in `hits`."""
         pairs = self._row_pairs(seed)
         with self.record.timed("visibility"):
             share, share_error, rays = open_share(self.on_device, self.on_device_elements, hits, pairs, seed)
@@ -114,6 +108,7 @@ class PairedSurfaces(SurfaceSolver):
         return self._pairs
 
     def _cell_pairs(self) -> CellPairs:
+        """Of the mesh; made on first use."""
         if self._cells is None:
             self._cells = CellPairs(self._bvh, self.scene.patches, self.elements, self.space)
         return self._cells
@@ -121,6 +116,7 @@ class PairedSurfaces(SurfaceSolver):
     def _tell(
         self, pairs: RowPairs, exchange: NDArray[np.float64], share_error: NDArray[np.float64], rays: int
     ) -> None:
+        """Keep what `account` tells, of the last replicate."""
         whole = max(float(pairs.exchange.sum()), np.finfo(float).tiny)
         self._account = {
             "cell_pairs": pairs.n_cell_pairs,
@@ -157,21 +153,15 @@ class HemicubeSurfaces(SurfaceSolver):
         n_pairs = n_rows * (n_rows - 1) // 2
         check_pairs(n_pairs, n_rows, "hemicube")
         known = calibration if isinstance(calibration, Calibration) else None
-        plan = super().sized_plan(known)
-        sized = replace(
-            plan,
-            form_factors="hemicube",
-            pairs=n_pairs,
-            most_pairs=most_pairs(),
-            memory_bytes=plan.memory_bytes + pair_bytes(n_pairs),
-        )
+        plan = _with_pairs(super().sized_plan(known), "hemicube", n_pairs)
         if known is None or plan.seconds is None:
-            return sized
+            return plan
         pixels = n_rows * pixels_drawn(self.options.hemicube_resolution, plan.n_patches)
-        more = hemicube_seconds(sized, known, pixels, VISIBLE_SHARE * n_rows**2)
-        return replace(sized, seconds=plan.seconds + more)
+        more = hemicube_seconds(plan, known, pixels, VISIBLE_SHARE * n_rows**2)
+        return replace(plan, seconds=plan.seconds + more)
 
     def _exchange(self, hits: RowHits, seed: int) -> ClosedRows:
+        """Exchange of one replicate; only what is covered comes from the rays in `hits`."""
         if self._hemicube is None:
             resolution = self.options.hemicube_resolution
             self._hemicube = Hemicube(self.on_device, self.scene.patches, self.elements, resolution)
@@ -196,6 +186,12 @@ class HemicubeSurfaces(SurfaceSolver):
         """A random point of each row element, in one of its cells by their areas."""
         cells = random_cells(self.elements, rng)
         return shooting_points(self._bvh, self.scene.patches, self.elements, cells, rng)
+
+
+def _with_pairs(plan: Plan, method: str, n_pairs: int) -> Plan:
+    """The plan with so many pairs and the memory that they take."""
+    memory = plan.memory_bytes + pair_bytes(n_pairs)
+    return replace(plan, form_factors=method, pairs=n_pairs, most_pairs=most_pairs(), memory_bytes=memory)
 
 
 def random_cells(elements: Elements, rng: np.random.Generator) -> NDArray[np.int64]:

@@ -44,9 +44,9 @@ RAYS_OF_A_PAIR: Final[Mapping[str, float]] = MappingProxyType(
     {
         "auto": 2.0,
         "contour": 8.0,
-        "hemisphere": 80.0,
+        "hemisphere": 95.0,
         "quasi-hemisphere": 24.0,
-        "monte-carlo": 22.0,
+        "monte-carlo": 25.0,
         "point": 1.0,
         "point-disk": 1.0,
     }
