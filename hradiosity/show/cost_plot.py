@@ -10,6 +10,7 @@ from itertools import pairwise
 from typing import TYPE_CHECKING, Any, Final
 
 from hradiosity.show.labels import label_points
+from hradiosity.show.log_ticks import plain_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -37,12 +38,6 @@ NAMED: Final = ("quality", "form factors", "links")
 """Groups whose marks have no order that would tell them apart."""
 FEW_POINTS: Final = 12
 """Up to so many, all have their names."""
-_STEPS: Final = (
-    (0.45, (1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)),
-    (0.9, (1.0, 1.5, 2.0, 3.0, 5.0, 7.0)),
-    (2.6, (1.0, 2.0, 5.0)),
-)
-"""Ticks in each decade of an axis that is shorter than so many."""
 FLOOR, FRONT = "#d9d9d9", "#222222"
 
 
@@ -115,8 +110,8 @@ def draw_costs(picture: CostPicture) -> bytes:
     _errors(lux, points, picture.noise, "illuminance", "illuminance_hidden", "on_front")
     _errors(spectrum, points, picture.spectral_noise, "spectrum", "spectrum_hidden", "on_spectral_front")
     lux.set_ylim(*_limits(picture))
-    _plain_ticks(lux, both=True)
-    _plain_ticks(spectrum, both=True)
+    plain_ticks(lux, both=True)
+    plain_ticks(spectrum, both=True)
     lux.set(ylabel="error of the readings, %", title="illuminance")
     spectrum.set(title="spectrum (readings and bands)")
     _memory(memory, points)
@@ -237,7 +232,7 @@ def _memory(axes: Axes, points: Sequence[CostPoint]) -> None:
     )
     if not any(point.memory_bytes for point in points):
         axes.text(0.5, 0.5, "not measured on this system", transform=axes.transAxes, ha="center")
-    _plain_ticks(axes, both=True)
+    plain_ticks(axes, both=True)
 
 
 def _bands(axes: Axes, bands: Sequence[BandsPoint]) -> None:
@@ -262,24 +257,8 @@ def _bands(axes: Axes, bands: Sequence[BandsPoint]) -> None:
     axes.xaxis.set_minor_locator(NullLocator())
     axes.set_xticklabels([f"{b.bands}\n{b.seconds:.2g} s" for b in others])
     axes.margins(x=0.12)
-    _plain_ticks(axes, both=False)
+    plain_ticks(axes, both=False)
     axes.legend(fontsize=9, frameon=False)
-
-
-def _plain_ticks(axes: Axes, *, both: bool) -> None:
-    """Numbers and not powers, at 1, 2 and 5."""
-    from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
-
-    for axis in (axes.xaxis, axes.yaxis) if both else (axes.yaxis,):
-        low, high = axis.get_view_interval()
-        decades = math.log10(max(high, 1e-12) / max(low, 1e-12))
-        steps = next((few for most, few in _STEPS if decades < most), (1.0,))
-        axis.set_major_locator(LogLocator(subs=steps, numticks=20))
-        axis.set_minor_locator(LogLocator(subs=[float(k) for k in range(2, 10)], numticks=50))
-        axis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:.6g}"))
-        axis.set_minor_formatter(NullFormatter())
-    axes.grid(True, which="major", color="#e6e6e6", linewidth=0.8)
-    axes.set_axisbelow(True)
 
 
 def _legend(figure: Figure, points: Sequence[CostPoint]) -> None:
