@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from hradiosity.model.geometry import Patches
 from hradiosity.space.hierarchy import Elements, direction_class
-from hradiosity.space.nodes import leaf_squares, merged_squares
+from hradiosity.space.row_squares import row_squares
 
 
 def coarser_rows(
@@ -17,8 +17,8 @@ def coarser_rows(
 ) -> NDArray[np.int64]:
     """Which coarser element each row element becomes part of.
 
-    Cells of a cut side merge by fours. Rows of uncut faces merge with those of the same kind in the same cube of edge
-    2h, as such faces were grouped in cubes of edge h.
+    Squares of cells of a cut side merge by fours with those of their size. Rows of uncut faces merge with those of the
+    same kind in the same cube of edge 2h, as such faces were grouped in cubes of edge h.
 
     Parameters
     ----------
@@ -36,14 +36,10 @@ def coarser_rows(
     (n_rows,) int64
         Numbers from 0 without gaps.
     """
-    n_rows = len(elements)
-    key = np.zeros((n_rows, 6), np.int64)
-    squares = leaf_squares(patches, elements)
-    merges = np.zeros(n_rows, bool)
-    if len(squares):
-        _, parents = merged_squares(squares, 0)
-        merges[squares.node] = True
-        key[squares.node, 0] = -1 - parents
+    merges, coarser = row_squares(patches, elements).coarser(patches.is_triangle)
+    key = np.zeros((len(elements), 6), np.int64)
+    key[merges, : coarser.shape[1]] = coarser[merges]
+    key[merges, 0] = -1 - coarser[merges, 0]
     rest = np.flatnonzero(~merges)
     if len(rest):
         key[rest] = _kind_and_place(patches, elements, space, paint, size)[rest]
