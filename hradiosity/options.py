@@ -51,6 +51,7 @@ class Options:
     audit : check the intervals by unbiased paths after the run; a run with a time limit leaves a fifth of it to that
     occlusion, interreflection : force an effect on or off
     glow : leave all lamps with an area to the rays that meet them, without shadow rays, or none
+    refinement : split elements inside of which light changes, even where it hardly matters, or none
     pictures : pictures or maps will be drawn, which calls for shadow refinement
     full_metrics : R1 to R14, Rf and Rg too are derived from each reading
     tolerance : of the linear solver, residual over right-hand side
@@ -84,6 +85,7 @@ class Options:
     occlusion: bool | None = None
     interreflection: bool | None = None
     glow: bool | None = None
+    refinement: bool | None = None
     pictures: bool = False
     full_metrics: bool = False
     tolerance: float = 1e-3

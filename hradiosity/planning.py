@@ -32,6 +32,8 @@ MOST_TIMES, ANYWAY = 16, 2000
 """Times the elements asked for, and elements in any case, up to which a short mean free path makes more: between plates
 that nearly touch it would make millions."""
 
+REFINEMENT = "refinement"
+"""Name of the effect that elements are split where one value for each is too coarse."""
 MOST_ELEMENTS = 5_000_000
 """More than any device at hand holds the exchange of; so many are asked for by a slip of units."""
 
@@ -128,6 +130,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
             _openness(lit),
             _backs(scene, lit),
             _bands(scene, columns),
+            _refinement(options, n_readings, interreflection),
             _shadow_refinement(scene, options),
         ),
         columns=columns,
@@ -301,6 +304,16 @@ def _bands(scene: Scene, columns: SpectralColumns) -> Effect:
         return Effect("bands singly", False, reason)
     of_variants = f", those of {len(scene.variants)} variants too," if scene.variants else ""
     return Effect("bands singly", True, f"all {n} bands{of_variants} differ in reflectance or light")
+
+
+def _refinement(options: Options, n_readings: int, interreflection: Effect) -> Effect:
+    if options.mode == "classic" or options.links != "rows" or options.form_factors != "rays":
+        return Effect(REFINEMENT, False, "only elements that exchange light by rays of their own are split")
+    if options.refinement is False:
+        return Effect(REFINEMENT, False, "as asked for")
+    if not n_readings or not interreflection.needed:
+        return Effect(REFINEMENT, False, "no reading depends on light between elements")
+    return Effect(REFINEMENT, True, "elements are split if light inside of them turns out to differ too much")
 
 
 def _shadow_refinement(scene: Scene, options: Options) -> Effect:

@@ -19,6 +19,7 @@ from hradiosity.planning import sight_shares, sized, with_sight
 from hradiosity.planning_memory import check_fits
 from hradiosity.radiosity.companion import Companion, half_of
 from hradiosity.radiosity.record import Record
+from hradiosity.radiosity.refinement import GreyLight, Refinement
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
 from hradiosity.radiosity.row_means import RowMeans
 from hradiosity.readings.interval import part_of
@@ -109,11 +110,13 @@ class SurfaceSolver:
         self._sky_on_device = device.upload(self._sky)
         weight = columns.padded(shooting_weights(columns.summed, luminous_weights(scene.bands)))
         self._choice = SolverChoice(options.solver, weight, options.blocks)
+        self._refinement = Refinement.of(scene, plan, options)
         self._cut(lit)
 
     def _cut(self, lit: LitSides) -> None:
         """Cut the lit sides into row elements; forget what was known about others."""
-        self.elements: Elements = self._divide(lit)
+        self._lit = lit
+        self.elements: Elements = self._refinement.refined(self.scene.patches, self._divide(lit))
         self.on_device_elements = upload_elements(self.device, self.elements, self._glow.paint)
         self.sight = self._prove(lit)
         n_rows = len(self.elements)
@@ -171,6 +174,10 @@ class SurfaceSolver:
         companion = COMPANION_ROTA[self._means.count % len(COMPANION_ROTA)]
         with self.record.timed("solution"):
             irradiance = self._solve(exchange, reflectance, direct)
+        with self.record.timed("refinement"):
+            again = self._means.count == 1 and self._refine(hits, exchange, reflectance, irradiance, seed)
+        if again:
+            return self.replicate(seed)
         with self.record.timed("companion"):
             coarse = None
             if companion == MESH:
@@ -210,6 +217,38 @@ class SurfaceSolver:
         size = np.where(contrast > MOST_CONTRAST, -1.0, 1.0) * np.sqrt(self.elements.area)
         return np.where(area > 0.0, size, np.inf).astype(np.float32)
 
+    def _refine(
+        self,
+        hits: RowHits,
+        exchange: ClosedRows,
+        reflectance: NDArray[np.float32],
+        irradiance: NDArray[np.float32],
+        seed: int,
+    ) -> bool:
+        """Whether elements were split because of this replicate's light, which is then of no more use."""
+        if not isinstance(exchange, Exchange):
+            return False
+        brightness = self.device.fetch(self._weight_on_device).astype(np.float64)
+        rows = irradiance, reflectance * irradiance, self._row_glow
+        light = GreyLight.of(brightness, *rows, self.emission, sky=self._sky)
+        patches = self.scene.patches
+        again = self._refinement.next_round(
+            self.on_device, self.on_device_elements, patches, hits, exchange, light, seed
+        )
+        self.record.rays += self._refinement.rays
+        if again:
+            self.record.convergence.clear()
+            self.record.defects.clear()
+            self._split_rows()
+        self._plan_for_elements()
+        return again
+
+    def _split_rows(self) -> None:
+        """Cut the same sides, then split what is to be split."""
+        links = self._links
+        self._cut(self._lit)
+        self._links = links
+
     def sized_plan(self, calibration: Calibration | ClassicCalibration | None) -> Plan:
         """The plan for the elements that were cut, with seconds if the device was measured in this mode.
 
@@ -248,7 +287,7 @@ class SurfaceSolver:
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs beside the constructor's arguments."""
-        kept: dict[str, NDArray[Any]] = {"links": self._links}
+        kept: dict[str, NDArray[Any]] = {"links": self._links, **self._refinement.checkpoint()}
         if self._deflation is not None:
             kept["deflation"] = self._deflation
         if self._growth is not None:
@@ -259,6 +298,9 @@ class SurfaceSolver:
         """Go on from a checkpoint, bit for bit."""
         if not np.array_equal(kept["links"], self._links):
             self._cut_again(kept["links"])
+        if self._refinement.restore(kept):
+            self._split_rows()
+        self._plan_for_elements()
         self._deflation = kept.get("deflation")
         self._growth = ErrorGrowth(*(float(value) for value in kept["growth"])) if "growth" in kept else None
         self._means.restore(part_of(kept, "means"))
@@ -275,11 +317,17 @@ class SurfaceSolver:
 
     def _cut_again(self, links: NDArray[np.int64]) -> None:
         """Cut all sides that are lit now that some (n, 2) are known to see each other, and plan for these elements."""
+        self._refinement.start()
         self._cut(find_lit_sides(self.scene, self._bvh, seed=self.options.seed, known_links=links))
         self._links = links
+        self._plan_for_elements()
+
+    def _plan_for_elements(self) -> None:
+        """Bring the plan up to the elements that there are."""
         before, after = (sized(self.plan, n).memory_bytes for n in (self.plan.n_elements, len(self.elements)))
         memory = self.plan.memory_bytes + after - before
-        self.plan = replace(self.plan, n_elements=len(self.elements), memory_bytes=memory)
+        effects = self._refinement.told(self.plan.effects, len(self.elements))
+        self.plan = replace(self.plan, n_elements=len(self.elements), memory_bytes=memory, effects=effects)
 
     def notes(self) -> tuple[Note, ...]:
         """What came to light only while running."""

@@ -44,6 +44,8 @@ FORCED: Final = (
     ("all shadow rays traced", "--occlusion on", {"occlusion": True}),
     ("lamps found by rays alone", "--glow on", {"glow": True}),
     ("shadow rays to all lamps", "--glow off", {"glow": False}),
+    ("elements split", "--refinement on", {"refinement": True}),
+    ("no elements split", "--refinement off", {"refinement": False}),
     ("all columns solved", "reduced_basis=False", {"reduced_basis": False}),
 )
 """Effects that may be forced without making the result wrong: words, how to ask for it, and the change of options."""
