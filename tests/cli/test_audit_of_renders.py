@@ -135,4 +135,3 @@ def test_accuracy_that_only_the_factor_misses_in_the_time_given(grid, call, tmp_
     assert "with the audit's factor" in outcome.out
     assert "--resume --accuracy 0.05%" in outcome.out
     assert run_json(tmp_path / "out")["state"] == "accuracy not reached"
-

@@ -28,9 +28,7 @@ def examples(count):
     """
     few = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]
     no_shrinking = (Phase.explicit, Phase.generate)
-    return settings(
-        max_examples=count, deadline=None, derandomize=True, suppress_health_check=few, phases=no_shrinking
-    )
+    return settings(max_examples=count, deadline=None, derandomize=True, suppress_health_check=few, phases=no_shrinking)
 
 
 def any_paint(rng):

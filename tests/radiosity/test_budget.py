@@ -21,9 +21,7 @@ from hradiosity.radiosity.budget import (
 from hradiosity.radiosity.pacer import Pacer
 from hradiosity.radiosity.solver import RadiositySolver
 
-SMALL = Options(
-    elements=200, rays_per_element=128, light_points=8, light_samples=64, gather_samples=256, replicates=8
-)
+SMALL = Options(elements=200, rays_per_element=128, light_points=8, light_samples=64, gather_samples=256, replicates=8)
 
 
 def found(sampling, fixed=0.0, mesh=0.0):
