@@ -25,8 +25,10 @@ from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import build_elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.space.nodes import build_nodes
+from hradiosity.transport import lamp_choice
 from hradiosity.transport.cell_pairs import CellPairs
 from hradiosity.transport.device_scene import upload_elements, upload_scene
+from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import trace_rows
 from hradiosity.transport.form_factor.hemicube import Hemicube
 from hradiosity.transport.form_factor.interface import form_factor
@@ -95,7 +97,7 @@ def test_a_replicate(device, bands):
         sensor.normal,
         light_samples=few,
         gather_samples=few,
-        rules=PathRules(2, 1.0),
+        rules=PathRules(1, 0.5, 1.0),
         seed=1,
         guide=guide_tables(shares),
     )
@@ -103,6 +105,20 @@ def test_a_replicate(device, bands):
     assert irradiance.shape == (2, bands)
     assert (irradiance > 0.0).all()
     assert (np.diff(irradiance, axis=1) >= 0.0).all()
+
+
+def test_lamps_tried_by_chance(device, monkeypatch):
+    """What each lamp could send without obstacles, and direct light of those that are tried."""
+    monkeypatch.setattr(lamp_choice, "TRIED", 0.5)
+    scene = furnished_cube(1)
+    on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=True)
+    elements = build_elements(scene.patches, lit_fronts(scene).space, np.ones(len(scene.materials), bool), 1.0)
+    uploaded = upload_elements(device, elements)
+    chance = lamp_choice.lamp_probability(on_device, uploaded, np.ones((2, 8), np.float32), None)
+    assert chance is not None and (chance >= lamp_choice.LEAST_PROBABILITY).all() and chance.min() < 0.5
+    hits = trace_rows(on_device, uploaded, 8, 1)
+    direct = direct_on_rows(on_device, uploaded, hits, 2, 1, device.upload(chance))
+    assert (direct >= 0.0).all() and direct.any() and (direct == 0.0).any()
 
 
 def test_unbiased_paths(device):
