@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from hradiosity.device import Device
 from hradiosity.device.device import DeviceArray
+from hradiosity.solvers.column_algebra import column_dot
 from hradiosity.solvers.measure import Sets
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Columns
@@ -126,8 +127,8 @@ class ChunkProducts:
 
 def squares(device: Device, columns: Columns) -> NDArray[np.float64]:
     """(n_columns,) sums of the squares of each column of (n_rows, n_columns), summed in double precision."""
-    if not len(columns):
-        return np.zeros(columns.shape[1])
+    if not len(columns) or not device.info.has_double:
+        return column_dot(columns, columns)
     on_device = device.upload(columns, np.float32)
     whole = Sets(np.zeros(len(columns), np.int32))
     total: NDArray[np.float64] = ChunkProducts(device, whole, columns.shape[1])(on_device, on_device)[0]
@@ -206,7 +207,7 @@ class DeviceVectors:
 
 
 def vectors_for(operator: ExchangeOperator, root: Columns, sets: Sets) -> Vectors[Any]:
-    """Vectors on the device in single precision, arrays in double."""
-    if operator.dtype is np.float64 or not len(root):
+    """Vectors on the device in single precision; arrays in double, and where the device can't sum in double."""
+    if operator.dtype is np.float64 or not len(root) or not operator.device.info.has_double:
         return HostVectors(operator, root, sets)
     return DeviceVectors(operator, root, sets)

@@ -1,5 +1,7 @@
 """The iterative solution against a dense one, for random closed exchanges."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.sparse import csr_array
@@ -212,6 +214,19 @@ def test_a_start_with_light_where_none_can_arrive(device):
     assert convergence.converged and convergence.products < 20
     np.testing.assert_allclose(found, solve_dense(matrix, area, np.full((60, 3), 0.6), direct), rtol=1e-2)
     np.testing.assert_array_equal(found[7], direct[7].astype(np.float32))
+
+
+@pytest.mark.parametrize("deflate", [False, True])
+def test_devices_that_cannot_sum_in_double_precision(device, monkeypatch, deflate):
+    """Vectors then stay on the host; the light is the same."""
+    rng = np.random.default_rng(12)
+    matrix, area = closed_space(rng, 80)
+    direct = rng.random((80, 11))
+    on_device, _ = solved(device, matrix, area, 0.9, direct, tolerance=1e-6, deflate=deflate)
+    monkeypatch.setattr(device, "info", replace(device.info, has_double=False))
+    on_host, convergence = solved(device, matrix, area, 0.9, direct, tolerance=1e-6, deflate=deflate)
+    assert convergence.converged
+    np.testing.assert_allclose(on_host, on_device, rtol=2e-5)
 
 
 def test_same_bits_twice_and_columns_do_not_touch_each_other(device):
