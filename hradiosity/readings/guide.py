@@ -23,13 +23,8 @@ EVEN_SHARE: Final = 0.25
 """Part of the paths that start evenly, so that none counts more than four times."""
 
 
-def guide_shares(
-    scene: DeviceScene, elements: DeviceElements, light: SurfaceLight, points: Points, seed: int
-) -> NDArray[np.float32]:
-    """(n_points, SIDE²) share of the paths that start in each part of the hemisphere, by rows; sums are 1.
-
-    The light found in a part is averaged with that of its neighbours, since one ray says little about edges.
-    """
+def met_rows(scene: DeviceScene, elements: DeviceElements, points: Points, seed: int) -> NDArray[np.uint32]:
+    """(n_points, SIDE²) row element, or outcome, that one ray to each part of the hemisphere ends on."""
     device = scene.device
     row = device.empty((points.n, SIDE * SIDE), np.uint32)
     device.kernel("guide", "trace_guide")(
@@ -43,7 +38,19 @@ def guide_shares(
         seed=seed,
         scale=scene.scale,
     )
-    found = device.fetch(row)
+    met: NDArray[np.uint32] = device.fetch(row)
+    return met
+
+
+def guide_shares(
+    scene: DeviceScene, elements: DeviceElements, light: SurfaceLight, points: Points, seed: int
+) -> NDArray[np.float32]:
+    """(n_points, SIDE²) share of the paths that start in each part of the hemisphere, by rows; sums are 1.
+
+    The light found in a part is averaged with that of its neighbours, since one ray says little about edges.
+    """
+    device = scene.device
+    found = met_rows(scene, elements, points, seed)
     weight = device.fetch(light.weight).astype(np.float64)
     n_rows = len(elements.elements)
     of_rows = device.fetch(light.reflected) @ weight if n_rows else np.zeros(0)

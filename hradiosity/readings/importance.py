@@ -8,7 +8,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.readings.guide import SIDE
+from hradiosity.readings.guide import met_rows
 from hradiosity.readings.path_tracing import upload_points
 from hradiosity.space.hierarchy import UNLIT
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
@@ -54,22 +54,10 @@ def seen_rows(
         Brightness of the emitters.
     seed : int
     """
-    n_rows, device = len(leaving), scene.device
+    n_rows = len(leaving)
     some = np.unique(np.linspace(0, len(position) - 1, MOST_READINGS).astype(np.int64))
     points = upload_points(scene, position[some], normal[some])
-    row = device.empty((points.n, SIDE * SIDE), np.uint32)
-    device.kernel("guide", "trace_guide")(
-        points.n * SIDE * SIDE,
-        **scene.geometry,
-        **elements.cells,
-        position=points.position,
-        normal=points.normal,
-        patch_solid=scene.solid,
-        met_row=row,
-        seed=seed,
-        scale=scene.scale,
-    )
-    met = device.fetch(row)
+    met = met_rows(scene, elements, points, seed)
     place = np.where(met < UNLIT, met, n_rows).astype(np.int64)
     direct = direct_at_points(scene, position[some], normal[some], DIRECT_SAMPLES, seed).astype(np.float64)
     reading = np.append(leaving, 0.0)[place].mean(axis=1) + np.einsum("xe,e->x", direct, emission)
