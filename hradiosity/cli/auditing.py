@@ -10,7 +10,7 @@ from hradiosity.cli.text import count, percent
 from hradiosity.device import Device
 from hradiosity.errors import DeviceError
 from hradiosity.model.scene import Scene
-from hradiosity.radiosity.auditing import Auditor, audited, no_audit_because, not_audited
+from hradiosity.radiosity.auditing import Auditor, audited, missed_by_factor, no_audit_because, not_audited
 from hradiosity.solution import Solution
 
 
@@ -53,11 +53,10 @@ def audit_lines(record: Mapping[str, Any]) -> list[str]:
 
 def missed_accuracy_lines(solution: Solution) -> list[str]:
     """What to do where the audit's factor alone keeps the readings from the accuracy that was asked for."""
-    wanted = solution.record["options"]["accuracy"]
-    factor = solution.record.get("audit", {}).get("factor", 1.0)
-    worst = max((float(found.accuracy.max()) for found in solution.readings.values()), default=0.0)
-    if wanted is None or factor <= 1.0 or not wanted < worst <= factor * wanted:
+    worst = missed_by_factor(solution)
+    if worst is None:
         return []
+    wanted, factor = solution.record["options"]["accuracy"], solution.record["audit"]["factor"]
     return [
         f"warning: with the audit's factor the worst reading is accurate to {percent(worst)}, {percent(wanted)} were "
         f"asked for; to go on: the same command with --resume --accuracy {100 * wanted / factor:.3g}%"

@@ -253,18 +253,20 @@ def audited(solution: Solution, found: Audit) -> Solution:
     )
 
 
-def accuracy_before_factor(solution: Solution) -> float | None:
-    """Accuracy that the readings need before the audit's factor, where that alone keeps them from the one asked for.
-
-    None where it does not, where no accuracy was asked for, and where there is no time to go on.
-    """
-    options = solution.record["options"]
-    wanted = options["accuracy"]
+def missed_by_factor(solution: Solution) -> float | None:
+    """Accuracy of the worst reading, where the audit's factor alone keeps it from the one asked for; else None."""
+    wanted = solution.record["options"]["accuracy"]
     factor = solution.record.get("audit", {}).get("factor", 1.0)
     worst = max((float(found.accuracy.max()) for found in solution.readings.values()), default=0.0)
-    if wanted is None or options["time"] is not None or factor <= 1.0 or not wanted < worst <= factor * wanted:
+    return None if wanted is None or factor <= 1.0 or not wanted < worst <= factor * wanted else worst
+
+
+def accuracy_before_factor(solution: Solution) -> float | None:
+    """Accuracy to go on to where only the audit's factor is in the way; None elsewhere, and where time is limited."""
+    options = solution.record["options"]
+    if missed_by_factor(solution) is None or options["time"] is not None:
         return None
-    return float(wanted / factor)
+    return float(options["accuracy"] / solution.record["audit"]["factor"])
 
 
 def audit(solution: Solution, device: Device | None = None, *, scene: Scene | None = None) -> Solution:
