@@ -46,6 +46,8 @@ class Readings(_AtPoints):
 
     position, normal : (n, 3) float64 [m], [1]
     enclosed : (n,) float64, share of the view that ends inside a solid
+    kind : what the readings are, see `hradiosity.model.scene.Sensor.kind`; of "luminance" irradiance is radiance
+        [W m⁻² sr⁻¹ per band] and illuminance luminance [cd m⁻²]
     numbers : by name, each with an interval that comes from the same number in each replicate, and not from the
         intervals of what it is made of: ``irradiance`` (n, n_bands) [W m⁻² per band], ``illuminance`` (n,) [lx],
         ``chromaticity`` (n, 2) CIE 1931 x and y, NaN without light; numbers of colour and the eye (n,), see
@@ -60,6 +62,7 @@ class Readings(_AtPoints):
     normal: NDArray[np.float64]
     enclosed: NDArray[np.float64]
     numbers: Mapping[str, Estimate]
+    kind: str = "plane"
 
     @property
     def irradiance(self) -> NDArray[np.float64]:

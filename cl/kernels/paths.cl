@@ -4,6 +4,7 @@
 #include "include/hr_emitters.h"
 #include "include/hr_guide.h"
 #include "include/hr_path_steps.h"
+#include "include/hr_response.h"
 #include "include/hr_sight.h"
 
 /* First entry of the ascending row of n sums that is greater than x. */
@@ -92,7 +93,8 @@ HR_FORCE_INLINE float hr_light_on_ray(const float3 x, const float3 n, const floa
    there one value for the whole element is too coarse (corners, contacts, slots). Sides that no light was found to reach have no solution: there the path
    goes on. A path that has no place left for a further lit hit is left out and marked
    HR_LONG, to be traced again with more places, or looks the solution up all the same if `last_chance` is set.
-   With HR_GUIDED the first directions follow the light that was found before, and paths weigh accordingly. */
+   With HR_GUIDED the first directions follow the light that was found before, and paths weigh accordingly; with
+   HR_RESPONSE they also weigh as the readings' responses say. */
 __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const float *position,       /* (n_points, 3) [m]                             */
                           __global const float *normal,         /* (n_points, 3) unit                            */
@@ -104,6 +106,7 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
                           __global const float *row_direct,     /* (n_rows, n_emitters) of each element          */
                           __global const uchar *row_sight,      /* (n_rows, n_emitters) HR_SIGHT_…               */
                           __global const float *guide,          /* (n_points, HR_GUIDE_ENTRIES), with HR_GUIDED  */
+                          __global const float *response,       /* (n_points, HR_RESPONSE_ENTRIES), with HR_RESPONSE */
                           __global const uint *path_number,     /* (n_paths,) n_samples point + sample           */
                           __global uint *path_paint,            /* (n_paths, HR_LIT_HITS) at the lit hits, or NONE */
                           __global uint *path_emitter,          /* (n_paths, HR_LIT_HITS) drawn there            */
@@ -128,6 +131,9 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
 #endif
     path_weight[i] = start.z;
     float3 d = hr_cosine_direction(n, start.x, start.y);
+#if HR_RESPONSE
+    path_weight[i] *= hr_response(response, point, d);
+#endif
     hr_hit hit = hr_closest_hit(HR_BVH, hr_offset_origin(hr_load3(position, point), n, scale), d, INFINITY, HR_NONE);
     uint row = hr_row_of_hit(hit, d, patch_solid, cell_divisions, side_first_cell, cell_row, patch_kind);
 

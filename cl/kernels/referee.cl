@@ -5,6 +5,7 @@
 #endif
 
 #include "include/hr_referee.h"
+#include "include/hr_response.h"
 
 /* Paths up to this bounce end only where nothing is reflected. */
 #define HR_ROULETTE_FROM 2u
@@ -15,6 +16,7 @@
 __kernel void referee_direct(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                              __global const float *position, /* (n_points, 3) [m]                                */
                              __global const float *normal,   /* (n_points, 3) unit                               */
+                             __global const float *response, /* (n_points, HR_RESPONSE_ENTRIES), with HR_RESPONSE */
                              __global float *direct,         /* (n_points, n_scrambles, n_emitters) [1], [m^-2]  */
                              const uint n_scrambles, const uint n_emitters, const uint first_sample,
                              const uint n_samples, const float direct_chance, const uint seed, const float scale,
@@ -32,9 +34,16 @@ __kernel void referee_direct(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
     const uint is_point = emitter_patch[emitter] == HR_NONE;
     const uint rays = is_point ? 1 : n_samples;
     float sum = 0.0f;
-    for (uint k = first_sample; k < first_sample + rays; ++k)
-        sum += hr_lamp_gain(x, n, HR_NONE, emitter, is_point ? 1.0f : direct_chance, hr_sample(k, 0, lamp_seed),
-                            hr_sample(k, 1, lamp_seed), scale, HR_EMITTER, HR_PATCH, HR_BVH);
+    for (uint k = first_sample; k < first_sample + rays; ++k) {
+        const float s = hr_sample(k, 0, lamp_seed), t = hr_sample(k, 1, lamp_seed);
+        float gain = hr_lamp_gain(x, n, HR_NONE, emitter, is_point ? 1.0f : direct_chance, s, t, scale, HR_EMITTER,
+                                  HR_PATCH, HR_BVH);
+#if HR_RESPONSE
+        const float3 d = hr_emitter_point(emitter, s, t, HR_EMITTER, HR_PATCH) - x;
+        gain *= hr_response(response, point, d / sqrt(hr_dot(d, d)));
+#endif
+        sum += gain;
+    }
     direct[i] = is_point ? sum * (float)n_samples : sum * direct_chance;
 }
 
@@ -43,6 +52,7 @@ __kernel void referee_direct(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
 __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const float *position,       /* (n_points, 3) [m]                            */
                             __global const float *normal,         /* (n_points, 3) unit                           */
+                            __global const float *response,       /* (n_points, HR_RESPONSE_ENTRIES), with HR_RESPONSE */
                             __global const uint *side_material,   /* (n_patches, 2) HR_NONE: black                */
                             __global const uint *patch_solid,     /* (n_patches,) not 0: matter behind            */
                             __global const uint *patch_emitter,   /* (n_patches,) HR_NONE: emits nothing          */
@@ -79,6 +89,10 @@ __kernel void referee_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                                                  hr_path_number(k, depth, 1, path_seed));
             const hr_hit hit = hr_closest_hit(HR_BVH, hr_offset_origin(x, n, scale), d, INFINITY, own);
             counts.z += 1.0f;
+#if HR_RESPONSE
+            if (depth == 0)
+                hr_fill(weight, hr_response(response, point, d));
+#endif
             if (hit.patch == HR_NONE) {
                 if (d.z > 0.0f)
                     hr_add_light(sum, 1.0f, weight, sky, 0);

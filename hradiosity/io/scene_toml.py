@@ -87,11 +87,13 @@ def _build(tables: SceneFile, raw: Mapping[str, Any], frame: Frame, bands: Bands
         read_materials(tables.materials, names, bands, report),
         luminaires,
         emitters,
-        read_sensors(tables.sensor, None if geometry_failed else surfaces, frame, report),
+        (),
         read_views(tables.view, frame, report),
         surfaces.objects,
         read_sky(tables.sky, bands, report),
     )
+    sensors = read_sensors(tables.sensor, None if geometry_failed else surfaces, scene, frame, report)
+    scene = replace(scene, sensors=sensors)
     return replace(scene, variants=read_variants(tables, scene, names, report))
 
 

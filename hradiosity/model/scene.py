@@ -71,18 +71,74 @@ class Sky:
 
 
 @dataclass(frozen=True)
+class Looks:
+    """What each plane of a luminance sensor stands in front of; NONE for a black side, and for one that is no lamp.
+
+    material, luminaire : (n_planes,) int32, indices into those of the scene
+    sky : (n_planes,) bool, whether nothing but sky is there
+    """
+
+    material: NDArray[np.int32]
+    luminaire: NDArray[np.int32]
+    sky: NDArray[np.bool_]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """How readings are made of planes that are traced: `count` successive ones belong to each.
+
+    kind : "cylindrical", "semi-cylindrical", "spherical", "field of view": sums; "luminance": the mean radiance of the
+        places that the planes stand in front of
+    place, direction : (n, 3) float64 [m], [1], of the readings
+    response : (n_planes, 12) float32, how directions weigh, see `hradiosity.model.sensor_kinds`; None: all alike
+    looks : of luminance sensors
+    """
+
+    kind: str
+    count: int
+    place: NDArray[np.float64]
+    direction: NDArray[np.float64]
+    response: NDArray[np.float32] | None = None
+    looks: Looks | None = None
+
+
+@dataclass(frozen=True)
 class Sensor:
     """A named list of places where the light is read.
 
-    position : (n, 3) float64 [m]
+    position : (n, 3) float64 [m], of the planes on which light is traced
     normal : (n, 3) float64, unit
-    grid : (rows, columns) when the points form a grid, row-major; None otherwise
+    grid : (rows, columns) when the readings form a grid, row-major; None otherwise
+    parts : how readings are made of these planes; None: each plane is a reading
+    glare : the readings are observers whose UGR is wanted
     """
 
     name: str
     position: NDArray[np.float64]
     normal: NDArray[np.float64]
     grid: tuple[int, int] | None = None
+    parts: Parts | None = None
+    glare: bool = False
+
+    @property
+    def kind(self) -> str:
+        """What its readings are: "plane", or as in `Parts`."""
+        return "plane" if self.parts is None else self.parts.kind
+
+    @property
+    def n_readings(self) -> int:
+        """Number of readings."""
+        return len(self.place)
+
+    @property
+    def place(self) -> NDArray[np.float64]:
+        """(n_readings, 3) [m]."""
+        return self.position if self.parts is None else self.parts.place
+
+    @property
+    def direction(self) -> NDArray[np.float64]:
+        """(n_readings, 3) unit: normal of a plane, axis of a cylinder, line of sight."""
+        return self.normal if self.parts is None else self.parts.direction
 
 
 @dataclass(frozen=True)

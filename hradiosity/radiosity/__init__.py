@@ -27,6 +27,7 @@ def make_solver(
     scene = part_back_to_back(scene)
     if options.mode == "classic":
         _refuse_variants(scene)
+        _refuse_responses(scene)
         from hradiosity.radiosity.classic import ClassicSolver
 
         return ClassicSolver(scene, options, device, calibration)
@@ -47,6 +48,14 @@ def _refuse_variants(scene: Scene) -> None:
         names = ", ".join(variant.name for variant in scene.variants)
         found = f"the classic mode for a scene with variants: {names}"
         raise SceneError([Fault("command line", "--mode", found, "rays; or a scene without variants")])
+
+
+def _refuse_responses(scene: Scene) -> None:
+    """Raise ``SceneError`` for readings that weigh directions, which the pixels of their hemicubes do not know of."""
+    curved = [s.name for s in scene.sensors if s.parts is not None and s.parts.response is not None]
+    if curved:
+        found = f"the classic mode for sensors that are no planes: {', '.join(curved)}"
+        raise SceneError([Fault("command line", "--mode", found, "rays; or sensors with plane readings")])
 
 
 def compare(

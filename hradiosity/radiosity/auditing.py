@@ -111,9 +111,13 @@ def most_rays(solution: Solution) -> int:
 
 
 def _auditable(solution: Solution) -> NDArray[np.bool_]:
-    """(n,) which readings have an interval; those that are dark for certain have none."""
+    """(n,) which readings have an interval, and are planes; those that are dark for certain have no interval."""
     half_width = _of_readings(solution, "illuminance_half_width")
-    return np.isfinite(half_width) & (half_width > 0.0)
+    kinds = np.repeat(
+        [r.kind == "plane" for r in solution.readings.values()], [len(r) for r in solution.readings.values()]
+    )
+    usable: NDArray[np.bool_] = np.isfinite(half_width) & (half_width > 0.0) & kinds.astype(bool)
+    return usable
 
 
 def _of_readings(solution: Solution, name: str) -> NDArray[np.float64]:

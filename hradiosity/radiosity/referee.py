@@ -10,6 +10,7 @@ import numpy as np
 
 from hradiosity.device import Device
 from hradiosity.model.scene import Scene
+from hradiosity.readings.composition import Composition
 from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
 from hradiosity.readings.path_scene import prepare_referee
 from hradiosity.readings.paths import PathTotals, RefereeSamples, rounds, trace_round
@@ -59,26 +60,34 @@ class Referee:
         self.cpu_seconds = 0.0
         self._wanted = paths_per_reading
         self._start = time.perf_counter()
-        self._position = np.concatenate([np.zeros((0, 3)), *(s.position for s in scene.sensors)])
-        self._normal = np.concatenate([np.zeros((0, 3)), *(s.normal for s in scene.sensors)])
-        self._totals = PathTotals(len(self._position), len(scene.bands))
+        self._planes = Composition(scene.sensors, scene)
+        self._totals = PathTotals(len(self._planes.position), len(scene.bands))
 
     def states(self) -> Iterator[RefereeState]:
         """Run, yielding after each round; whoever stops asking keeps what is known so far."""
         cpu = self.device.work_cpu_seconds()
         bvh = build_bvh(self.device, self.scene.patches)
         referee = prepare_referee(upload_scene(self.device, self.scene, bvh, occlusion=True), self.scene)
-        parts = rounds(referee, len(self._position), self._wanted)
+        planes = self._planes
+        parts = rounds(referee, len(planes.position), self._wanted)
         wanted = sum(count for _, count in parts)
         for first, count in parts:
-            sums = trace_round(referee, self._position, self._normal, first_path=first, n_paths=count, seed=self.seed)
+            sums = trace_round(
+                referee,
+                planes.position,
+                planes.normal,
+                first_path=first,
+                n_paths=count,
+                seed=self.seed,
+                response=planes.response,
+            )
             self._totals.add(sums, count)
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
             yield self._state(wanted)
             cpu = self.device.work_cpu_seconds()
 
     def samples(self) -> RefereeSamples:
-        """Spectra of all readings, in the order of the sensors.
+        """Spectra of all planes that readings are made of, in the order of the sensors.
 
         Raises
         ------
@@ -114,7 +123,7 @@ class Referee:
 
 def scramble_moments(scene: Scene, samples: RefereeSamples) -> ReadingMoments:
     """Readings with intervals from the spread of the scrambles: every one is a replicate."""
-    moments = ReadingMoments(scene.sensors, scene.bands)
+    moments = ReadingMoments(scene.sensors, scene.bands, scene=scene)
     for spectra in samples.per_scramble:
         moments.add(ReplicateReadings(spectra, samples.enclosed))
     return moments

@@ -255,8 +255,7 @@ class RadiositySolver:
 
     def _make_moments(self) -> VariantMoments:
         """For the sensors of the scene, before the first replicate."""
-        variants = [variant.name for variant in self.scene.variants]
-        return VariantMoments(self.scene.sensors, self.scene.bands, variants, full=self.options.full_metrics)
+        return VariantMoments(self.scene, full=self.options.full_metrics)
 
     def _begin(self, size: Round) -> None:
         """Start anew with replicates of another size."""
@@ -275,7 +274,7 @@ class RadiositySolver:
         with self.record.timed("readings"):
             if self._effort is None:
                 even = self._plan_effort(self._readings, surfaces.on_device_elements, light, seed)
-                self._effort = even.focused(self._pacer.size.focus)
+                self._effort = even.focused(self._readings.planes.spread(self._pacer.size.focus))
             self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
         plan = self.plan
         per_reading = plan.n_emitters * plan.light_samples + (2 * self.options.lookup - 1) * plan.gather_samples
@@ -287,7 +286,7 @@ class RadiositySolver:
     def _plan_effort(self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int) -> Effort:
         """Samples of each reading in every replicate."""
         plan = self.plan
-        return plan_effort(
+        effort = plan_effort(
             self._prepare().on_device,
             elements,
             light,
@@ -297,7 +296,10 @@ class RadiositySolver:
             gather_samples=plan.gather_samples if plan.gathers or self.scene.sky is not None else 0,
             rules=self._rules,
             seed=seed ^ 0x3C6EF372,
+            response=moments.planes.response,
         )
+        share = moments.planes.share
+        return effort if (share == 1.0).all() else effort.focused(share)
 
     def _read(
         self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int, effort: Effort
@@ -313,6 +315,7 @@ class RadiositySolver:
             light_samples=effort.light,
             gather_samples=effort.gather,
             guide=effort.tables,
+            response=moments.planes.response,
             rules=self._rules,
             seed=seed ^ 0x5BD1E995,
         )
@@ -348,7 +351,7 @@ class RadiositySolver:
 
     def _samples(self) -> NDArray[np.int64]:
         """(n,) paths of each reading in a replicate."""
-        return np.zeros(0, np.int64) if self._effort is None else self._effort.gather
+        return np.zeros(0, np.int64) if self._effort is None else self._readings.planes.total(self._effort.gather)
 
     def _current(self) -> dict[str, Readings]:
         """Readings with their intervals as of now."""

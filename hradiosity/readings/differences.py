@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.estimate import Estimate
-from hradiosity.model.scene import Sensor
-from hradiosity.model.spectrum import Bands
+from hradiosity.model.scene import Scene
+from hradiosity.model.variants import with_variant
 from hradiosity.plan import SpectralColumns
 from hradiosity.readings.interval import RunningMean, RunningMoments
 from hradiosity.readings.moments import (
@@ -33,25 +33,27 @@ class VariantMoments(ReadingMoments):
 
     Parameters
     ----------
-    sensors : sequence of Sensor
-    bands : Bands
-    variants : sequence of str
-        Their names; replicates that are added hold readings of each.
+    scene : Scene
+        Replicates that are added hold readings of each of its variants.
     full : bool
         See `ReadingMoments`.
     """
 
-    def __init__(self, sensors: Sequence[Sensor], bands: Bands, variants: Sequence[str], *, full: bool = False) -> None:
-        super().__init__(sensors, bands, full=full)
-        self._names = tuple(variants)
-        self._variants = [ReadingMoments(sensors, bands, full=full) for _ in variants]
-        self._differences = [_DifferenceMoments(self._numbers, len(self.position), len(bands)) for _ in variants]
+    def __init__(self, scene: Scene, *, full: bool = False) -> None:
+        sensors, bands, variants = scene.sensors, scene.bands, scene.variants
+        super().__init__(sensors, bands, full=full, scene=scene)
+        self._names = tuple(variant.name for variant in variants)
+        self._variants = [
+            ReadingMoments(sensors, bands, full=full, scene=with_variant(scene, variant)) for variant in variants
+        ]
+        self._differences = [_DifferenceMoments(self._numbers, len(self.planes.count), len(bands)) for _ in variants]
 
     def add(self, replicate: ReplicateReadings) -> ReplicateNumbers:
         """Take one more replicate into account; returns the scene's own numbers."""
         own = super().add(replicate)
         for moments, differences, other in zip(self._variants, self._differences, replicate.variants, strict=True):
-            differences.add(own, moments.add(other), other.unlike)
+            unlike = None if other.unlike is None else self.planes.changes(other.unlike)
+            differences.add(own, moments.add(other), unlike)
         return own
 
     def variants(self, relative: Mapping[str, float] | None = None) -> dict[str, VariantReadings]:
@@ -75,12 +77,12 @@ class VariantMoments(ReadingMoments):
         return out
 
     def _of_sensor(self, index: int, sensor: str, variant: str, changes: Mapping[str, Estimate]) -> Differences:
-        part = self._numbers.parts[sensor]
+        part, places = self._numbers.parts[sensor], self._sensors[index]
         return Differences(
             sensor=sensor,
             variant=variant,
-            position=self.position[part],
-            normal=self.normal[part],
+            position=places.place,
+            normal=places.direction,
             numbers={key: found[index] if key in _OF_SENSORS else found[part] for key, found in changes.items()},
         )
 

@@ -76,6 +76,7 @@ def plan_effort(
     gather_samples: int,
     rules: PathRules,
     seed: int,
+    response: NDArray[np.float32] | None = None,
 ) -> Effort:
     """Spread the samples of all readings by a pilot's spread: n ∝ σ/E makes the rms relative error smallest.
 
@@ -87,6 +88,8 @@ def plan_effort(
         Mean number of samples of a reading.
     rules : PathRules
         Of the paths that are planned for.
+    response : (n, 12) float32, optional
+        How directions weigh, see `hradiosity.model.sensor_kinds`.
     """
     n = len(position)
     if n == 0 or gather_samples <= PILOT_PATHS // 2:
@@ -94,9 +97,9 @@ def plan_effort(
     weight = scene.device.fetch(light.weight)
     brightness = np.einsum("ec,c->e", light.emission, weight)
     pilot = min(PILOT_LIGHT_SAMPLES, max(LEAST_LIGHT_SAMPLES, ALL_LIGHT_SAMPLES // max(scene.n_emitters, 1)))
-    direct = direct_at_points(scene, position, normal, pilot, seed)
+    direct = direct_at_points(scene, position, normal, pilot, seed, response=response)
     arriving = direct.astype(np.float64) * brightness
-    points = upload_points(scene, position, normal)
+    points = upload_points(scene, position, normal, response)
     shares = np.concatenate(
         [
             guide_shares(scene, elements, light, upload_points(scene, position[part], normal[part]), seed + part.start)
@@ -112,7 +115,9 @@ def plan_effort(
     total = np.maximum(total, DARK_SHARE * total.mean())
     gather = np.divide(np.sqrt(variance), total, out=np.zeros(n), where=total > 0.0)
     penumbra = np.divide(
-        np.sqrt(_partial(scene, position, normal, direct, pilot, seed) * brightness**2).max(axis=1, initial=0.0),
+        np.sqrt(_partial(scene, position, normal, direct, pilot, seed, response) * brightness**2).max(
+            axis=1, initial=0.0
+        ),
         total,
         out=np.zeros(n),
         where=total > 0.0,
@@ -127,13 +132,16 @@ def _partial(
     direct: NDArray[np.float32],
     n_rays: int,
     seed: int,
+    response: NDArray[np.float32] | None,
 ) -> NDArray[np.float64]:
     """(n, n_emitters) variance of one shadow ray's factor: F² v (1 − v), F without obstacles, v the visible share.
 
     That share is taken with Jeffreys' prior: a lamp that the pilot's rays all missed may yet be seen by one ray in a
     hundred, which would be most of the light in a deep shadow.
     """
-    clear = direct_at_points(scene.without_occlusion(), position, normal, 1, seed).astype(np.float64)
+    samples = 1 if response is None else n_rays
+    clear = direct_at_points(scene.without_occlusion(), position, normal, samples, seed, response=response)
+    clear = clear.astype(np.float64)
     seen = np.divide(direct, clear, out=np.zeros_like(clear), where=clear > 0.0)
     likely = (np.clip(seen, 0.0, 1.0) * n_rays + 0.5) / (n_rays + 1.0)
     variance: NDArray[np.float64] = clear**2 * likely * (1.0 - likely)

@@ -11,8 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.estimate import EXCHANGE, MESH, Estimate
-from hradiosity.model.scene import Sensor
+from hradiosity.model.scene import Scene, Sensor
 from hradiosity.model.spectrum import Bands
+from hradiosity.readings.composition import Composition
 from hradiosity.readings.interval import RunningMean, RunningMoments, part_of
 from hradiosity.readings.numbers import OF_SENSORS, ReadingNumbers, is_power
 from hradiosity.solution import Readings
@@ -33,7 +34,7 @@ UNSEEN_PATHS = 3.0
 
 @dataclass(frozen=True)
 class ReplicateReadings:
-    """Readings of one replicate.
+    """Light of one replicate on the planes that readings are made of.
 
     spectra : (n, n_bands) float64 [W m⁻² per band]
     enclosed : (n,) float64, share of the view that ends inside a solid
@@ -124,17 +125,21 @@ class ReadingMoments:
     bands : Bands
     full : bool
         With the numbers that take longer, see `hradiosity.metrics.derived`.
+    scene : Scene, optional
+        That luminance sensors look at.
 
     Attributes
     ----------
-    position, normal : (n, 3) float64, of all sensors, one after another
+    planes : of all sensors, one after another
     """
 
-    def __init__(self, sensors: Sequence[Sensor], bands: Bands, *, full: bool = False) -> None:
-        self.position = np.concatenate([np.zeros((0, 3)), *(s.position for s in sensors)])
-        self.normal = np.concatenate([np.zeros((0, 3)), *(s.normal for s in sensors)])
+    def __init__(
+        self, sensors: Sequence[Sensor], bands: Bands, *, full: bool = False, scene: Scene | None = None
+    ) -> None:
+        self.planes = Composition(sensors, scene)
+        self._sensors = tuple(sensors)
         self._numbers = ReadingNumbers(sensors, bands, full=full)
-        n = len(self.position)
+        n = len(self.planes.count)
         empty = self._numbers.of(np.zeros((n, len(bands))))
         self._values = {name: RunningMoments(array.shape) for name, array in empty.items()}
         self._changes = {part: {name: RunningMean(array.shape) for name, array in empty.items()} for part in COMPANIONS}
@@ -143,23 +148,34 @@ class ReadingMoments:
         self._unseen = RunningMean((n, len(bands)))
 
     @property
+    def position(self) -> NDArray[np.float64]:
+        """(n_planes, 3) [m]."""
+        return self.planes.position
+
+    @property
+    def normal(self) -> NDArray[np.float64]:
+        """(n_planes, 3) unit."""
+        return self.planes.normal
+
+    @property
     def count(self) -> int:
         """Number of replicates."""
         return self._enclosed.count
 
     def add(self, replicate: ReplicateReadings) -> ReplicateNumbers:
         """Take one more replicate into account; returns its numbers."""
-        numbers, coarse = self._numbers.of(replicate.spectra), None
+        spectra = self.planes.readings(replicate.spectra)
+        numbers, coarse = self._numbers.of(spectra), None
         for name, value in numbers.items():
             self._values[name].add(value)
         self._shares.add(self._numbers.shares_of_mean(numbers["illuminance"], numbers["mean_illuminance"]))
         if replicate.change is not None:
-            coarse = self._numbers.of(replicate.spectra + replicate.change)
+            coarse = self._numbers.of(spectra + self.planes.changes(replicate.change))
             for name, value in numbers.items():
                 self._changes[replicate.changed_by][name].add(coarse[name] - value)
-        self._enclosed.add(replicate.enclosed)
+        self._enclosed.add(self.planes.mean(replicate.enclosed))
         unseen = replicate.brightest_unseen
-        self._unseen.add(np.zeros_like(replicate.spectra) if unseen is None else unseen)
+        self._unseen.add(np.zeros_like(spectra) if unseen is None else self.planes.changes(unseen))
         return ReplicateNumbers(numbers, coarse, replicate.changed_by)
 
     def readings(
@@ -256,13 +272,14 @@ class ReadingMoments:
         return estimates
 
     def _readings(self, index: int, name: str, estimates: Mapping[str, Estimate]) -> Readings:
-        part = self._numbers.parts[name]
+        part, sensor = self._numbers.parts[name], self._sensors[index]
         return Readings(
             sensor=name,
-            position=self.position[part],
-            normal=self.normal[part],
+            position=sensor.place,
+            normal=sensor.direction,
             enclosed=self._enclosed.mean[part],
             numbers={
                 key: estimate[index] if key in OF_SENSORS else estimate[part] for key, estimate in estimates.items()
             },
+            kind=sensor.kind,
         )

@@ -36,7 +36,7 @@ class ReadingNumbers:
     """
 
     def __init__(self, sensors: Sequence[Sensor], bands: Bands, *, full: bool = False) -> None:
-        ends = np.cumsum([0, *(len(s.position) for s in sensors)])
+        ends = np.cumsum([0, *(s.n_readings for s in sensors)])
         self.parts = {s.name: slice(int(ends[i]), int(ends[i + 1])) for i, s in enumerate(sensors)}
         self._luminous = luminous_weights(bands)
         self._xyz = xyz_weights(bands)

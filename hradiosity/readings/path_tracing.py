@@ -62,17 +62,28 @@ class PathRules:
 
 @dataclass(frozen=True)
 class Points:
-    """Places on the device: position (n, 3) float32 in the ray structure's frame [m], normal (n, 3) float32 unit."""
+    """Places on the device: position (n, 3) float32 in the ray structure's frame [m], normal (n, 3) float32 unit.
+
+    response : (n, 12) float32, how directions weigh, see `hradiosity.model.sensor_kinds`; None: all alike
+    """
 
     position: DeviceArray
     normal: DeviceArray
     n: int
+    response: DeviceArray | None = None
 
 
-def upload_points(scene: DeviceScene, position: NDArray[np.float64], normal: NDArray[np.float64]) -> Points:
+def upload_points(
+    scene: DeviceScene,
+    position: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    response: NDArray[np.float32] | None = None,
+) -> Points:
     """Points of the world frame [m] with unit normals."""
     device = scene.device
-    return Points(device.upload(scene.bvh.to_local(position)), device.upload(normal, np.float32), len(position))
+    weighing = None if response is None else device.upload(response)
+    place = device.upload(scene.bvh.to_local(position))
+    return Points(place, device.upload(normal, np.float32), len(position), weighing)
 
 
 def trace_paths(
@@ -101,7 +112,8 @@ def trace_paths(
     gain = device.empty((len(number), lit_hits), np.float32)
     row = device.empty((len(number),), np.uint32)
     weight = device.empty((len(number),), np.float32)
-    device.kernel("paths", "trace_paths", HR_LIT_HITS=lit_hits, HR_GUIDED=int(guide is not None))(
+    weighing = {} if points.response is None else {"HR_RESPONSE": 1}
+    device.kernel("paths", "trace_paths", HR_LIT_HITS=lit_hits, HR_GUIDED=int(guide is not None), **weighing)(
         len(number),
         **scene.geometry,
         **elements.cells,
@@ -115,6 +127,7 @@ def trace_paths(
         row_direct=light.row_direct,
         row_sight=elements.sight(scene),
         guide=light.weight if guide is None else guide,
+        response=points.position if points.response is None else points.response,
         path_number=device.upload(number),
         path_paint=paint,
         path_emitter=emitter,

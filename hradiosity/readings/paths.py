@@ -5,6 +5,7 @@ Paths share rays, emitters and random numbers with the solver, and neither eleme
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -89,6 +90,7 @@ def trace_round(
     seed: int,
     scrambles: int = SCRAMBLES,
     depth_limit: int = DEPTH_LIMIT,
+    response: NDArray[np.float32] | None = None,
 ) -> PathSums:
     """Paths `first_path` … `first_path + n_paths − 1` of each reading and scramble.
 
@@ -98,6 +100,8 @@ def trace_round(
         World frame [m], unit normals.
     first_path, n_paths : int
         Multiples of the number of paths per direct sample, a power of two, keep both in step.
+    response : (n, 12) float32, optional
+        How directions weigh, see `hradiosity.model.sensor_kinds`.
     """
     scene = referee.scene
     device, n = scene.device, len(position)
@@ -107,12 +111,14 @@ def trace_round(
         "position": device.upload(scene.bvh.to_local(position)),
         "normal": device.upload(normal, np.float32),
     }
-    direct = _trace_direct(referee, points, n, first_path, n_paths, seed, scrambles)
+    points["response"] = points["position"] if response is None else device.upload(response)
+    weighing = {} if response is None else {"HR_RESPONSE": 1}
+    direct = _trace_direct(referee, points, n, first_path, n_paths, seed, scrambles, weighing)
     chunks = min(n_paths, -(-MIN_ITEMS // max(n * scrambles, 1)))
     n_items = n * scrambles * chunks
     irradiance = device.empty((n_items, 8 * referee.n_groups), np.float32)
     tally = device.empty((n_items, 3), np.float32)
-    device.kernel("referee", "referee_paths", HR_GROUPS=referee.n_groups)(
+    device.kernel("referee", "referee_paths", HR_GROUPS=referee.n_groups, **weighing)(
         n_items,
         **scene.geometry,
         **scene.emitters,
@@ -151,6 +157,7 @@ def trace_referee(
     seed: int,
     scrambles: int = SCRAMBLES,
     depth_limit: int = DEPTH_LIMIT,
+    response: NDArray[np.float32] | None = None,
 ) -> RefereeSamples:
     """Unbiased irradiance at points, with its standard error.
 
@@ -182,6 +189,7 @@ def trace_referee(
                 seed=seed,
                 scrambles=scrambles,
                 depth_limit=depth_limit,
+                response=response,
             ),
             count,
         )
@@ -248,6 +256,7 @@ def _trace_direct(
     n_paths: int,
     seed: int,
     scrambles: int,
+    weighing: Mapping[str, int],
 ) -> NDArray[np.float64]:
     """(n, n_scrambles, n_bands) direct light times `n_paths`, less what the paths' first rays count."""
     scene = referee.scene
@@ -255,7 +264,7 @@ def _trace_direct(
         return np.zeros((n, scrambles, referee.n_bands))
     n_samples = max(1, round(n_paths * referee.direct_share))
     direct = scene.device.empty((n, scrambles, scene.n_emitters), np.float32)
-    scene.device.kernel("referee", "referee_direct", HR_GROUPS=referee.n_groups)(
+    scene.device.kernel("referee", "referee_direct", HR_GROUPS=referee.n_groups, **weighing)(
         n * scrambles * scene.n_emitters,
         **scene.geometry,
         **scene.emitters,

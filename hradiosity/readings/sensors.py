@@ -57,6 +57,7 @@ def read_points(
     rules: PathRules,
     seed: int,
     guide: NDArray[np.float32] | None = None,
+    response: NDArray[np.float32] | None = None,
 ) -> ReadingSamples:
     """Irradiance at points: E = D + ⟨ρ(y₁) (D(y₁) + ρ(y₂) (D(y₂) + …))⟩ over cosine-distributed directions.
 
@@ -71,6 +72,8 @@ def read_points(
     rules : PathRules
     guide : (n, entries) float32, optional
         Tables of `hradiosity.readings.guide`.
+    response : (n, 12) float32, optional
+        How directions weigh, see `hradiosity.model.sensor_kinds`.
     """
     n = len(position)
     used = light.columns.n_columns
@@ -78,13 +81,14 @@ def read_points(
     irradiance = np.zeros((n, used))
     for count in np.unique(light_samples):
         part = np.flatnonzero(light_samples == count)
-        direct = direct_at_points(scene, position[part], normal[part], int(count), seed + int(count))
+        weighing = None if response is None else response[part]
+        direct = direct_at_points(scene, position[part], normal[part], int(count), seed + int(count), response=weighing)
         irradiance[part] = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
     enclosed, some_row = np.zeros(n), np.full(n, -1)
     change = np.zeros((n, used))
     for part, count in _batches(gather_samples):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
-        points = upload_points(scene, position[part], normal[part])
+        points = upload_points(scene, position[part], normal[part], None if response is None else response[part])
         tables = None if guide is None else scene.device.upload(guide[part])
         gathered = _gather(scene, elements, light, points, count, batch_seed, rules, tables)
         irradiance[part] += gathered.irradiance[:, :used]

@@ -70,6 +70,7 @@ def direct_at_points(
     n_samples: int,
     seed: int,
     n_pilot: int | None = None,
+    response: NDArray[np.float32] | None = None,
 ) -> NDArray[np.float32]:
     """Irradiance at single points for unit emission of each emitter.
 
@@ -86,6 +87,8 @@ def direct_at_points(
         For pictures: stop after this many rays to an emitter when they all agree, which is cheaper, but no longer
         unbiased where an emitter is nearly open or nearly hidden; and all points send their rays to the same places,
         so that errors change smoothly from point to point.
+    response : (n, 12) float32, optional
+        How directions weigh, see `hradiosity.model.sensor_kinds`; `n_pilot` and proofs have no part in that.
 
     Returns
     -------
@@ -94,6 +97,8 @@ def direct_at_points(
     device = scene.device
     if scene.n_emitters == 0 or not len(position):
         return np.zeros((len(position), scene.n_emitters), np.float32)
+    if response is not None:
+        return _direct_by_response(scene, position, normal, response, n_samples, seed)
     direct = device.empty((len(position), scene.n_emitters), np.float32)
     device.kernel("direct", "direct_points")(
         len(position) * scene.n_emitters,
@@ -108,6 +113,35 @@ def direct_at_points(
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
         most_visits=MOST_VISITS if scene.shafts else 0,
+        seed=seed,
+        scale=scene.scale,
+    )
+    fetched: NDArray[np.float32] = device.fetch(direct)
+    return fetched
+
+
+def _direct_by_response(
+    scene: DeviceScene,
+    position: NDArray[np.float64],
+    normal: NDArray[np.float64],
+    response: NDArray[np.float32],
+    n_samples: int,
+    seed: int,
+) -> NDArray[np.float32]:
+    """(n, n_emitters) as `direct_at_points`, each direction weighted by the response."""
+    device = scene.device
+    direct = device.empty((len(position), scene.n_emitters), np.float32)
+    device.kernel("responses", "direct_responses")(
+        len(position) * scene.n_emitters,
+        **scene.geometry,
+        **scene.emitters,
+        position=device.upload(position - scene.bvh.local_origin, np.float32),
+        normal=device.upload(normal, np.float32),
+        response=device.upload(response),
+        direct=direct,
+        n_samples=n_samples,
+        n_emitters=scene.n_emitters,
+        occlusion=int(scene.occlusion),
         seed=seed,
         scale=scene.scale,
     )

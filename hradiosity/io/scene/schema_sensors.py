@@ -2,18 +2,49 @@
 
 from typing import Annotated, Literal
 
-from pydantic import Field, model_validator
+from pydantic import ConfigDict, Field, model_validator
+from pydantic_core import PydanticCustomError
 
 from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one, one_of
 from hradiosity.io.scene.schema_surfaces import BoxFace
 
 _NAME = "name, as it appears in readings.csv"
+HalfAxis = Annotated[Positive, Field(le=180)]
+Pixel = Annotated[Number, Field(ge=0)]
 
 
-class PointsSensor(Table):
+class Curved(Table):
+    """Keys of sensors whose readings may be mean illuminances over something curved in place of a plane."""
+
+    response: Literal["plane", "cylindrical", "semi-cylindrical", "spherical"] = Field(
+        "plane",
+        description="what is read: illuminance of a plane, or mean illuminance of a cylinder without its ends, of the "
+        "half of it that faces `facing`, or of a sphere",
+    )
+    axis: Vector | None = Field(None, description="axis of cylinders; upwards if left out")
+    facing: Vector | None = Field(None, description="direction that half cylinders face, across their axis")
+
+    def check_directions(self) -> None:
+        """Raise ``PydanticCustomError`` for directions that the response has no use for, or that it lacks."""
+        useless = [
+            key
+            for key, kinds in (("axis", ("cylindrical", "semi-cylindrical")), ("facing", ("semi-cylindrical",)))
+            if getattr(self, key) is not None and self.response not in kinds
+        ]
+        if useless:
+            raise PydanticCustomError(
+                "useless_key", "{keys} given", {"keys": " and ".join(useless), "response": self.response}
+            )
+        if self.response == "semi-cylindrical" and self.facing is None:
+            raise PydanticCustomError("no_facing", "no `facing` given")
+
+
+class PointsSensor(Curved):
     """Single points, each with the direction that its receiving plane faces."""
 
-    model_config = one_of("normal", "normals")
+    model_config = ConfigDict(
+        json_schema_extra={"anyOf": [{"required": [key]} for key in ("normal", "normals", "response")]}
+    )
 
     name: Name = Field(description=_NAME)
     kind: Literal["points"]
@@ -23,23 +54,43 @@ class PointsSensor(Table):
 
     @model_validator(mode="after")
     def _one_direction(self) -> "PointsSensor":
-        exactly_one(self, "normal", "normals")
+        self.check_directions()
+        if self.response == "plane":
+            exactly_one(self, "normal", "normals")
+        elif self.normal is not None or self.normals is not None:
+            raise PydanticCustomError("useless_key", "{keys} given", {"keys": "a normal", "response": self.response})
         return self
 
 
-class GridSensor(Table):
+class GridSensor(Curved):
     """A grid of points at the centres of equal cells of a parallelogram; the index runs along edge_u first."""
+
+    model_config = one_of("counts", "spacing")
 
     name: Name = Field(description=_NAME)
     kind: Literal["grid"]
     corner: Vector = Field(description="one corner of the parallelogram [scene unit]")
     edge_u: Vector = Field(description="edge along which the index runs first [scene unit]")
     edge_v: Vector = Field(description="the other edge [scene unit]")
-    counts: tuple[Count, Count] = Field(description="cells along edge_u and edge_v")
+    counts: tuple[Count, Count] | None = Field(None, description="cells along edge_u and edge_v")
+    spacing: Literal["EN 12464-1"] | Positive | None = Field(
+        None,
+        description="largest distance of neighbouring points [scene unit], or EN 12464-1, which makes it from the size "
+        "of the area",
+    )
+    border: Annotated[Number, Field(ge=0)] = Field(
+        0.0, description="width of a strip along all edges that has no points [scene unit]; 0.5 m from walls is usual"
+    )
     normal: Vector | None = Field(None, description="direction that the points face; edge_u × edge_v if left out")
     height: Number = Field(
         0.0, description="distance of the points from the parallelogram, along the normal [scene unit]"
     )
+
+    @model_validator(mode="after")
+    def _one_density(self) -> "GridSensor":
+        exactly_one(self, "counts", "spacing")
+        self.check_directions()
+        return self
 
 
 class SurfaceSensor(Table):
@@ -64,6 +115,15 @@ class SurfaceSensor(Table):
         return self
 
 
+class FieldTable(Table):
+    """How far eyes see: half axes of an ellipse in each quarter of the field of view."""
+
+    up: HalfAxis = Field(90.0, description="upwards from the line of sight [degrees]")
+    down: HalfAxis = Field(90.0, description="downwards [degrees]")
+    left: HalfAxis = Field(90.0, description="to the left [degrees]")
+    right: HalfAxis = Field(90.0, description="to the right [degrees]")
+
+
 class EyeSensor(Table):
     """Eyes: light on the plane at the eye that is perpendicular to the gaze (vertical illuminance when it is level)."""
 
@@ -78,6 +138,8 @@ class EyeSensor(Table):
     gaze: Vector | None = Field(None, description="direction in which all look")
     gazes: list[Vector] | None = Field(None, description="direction in which each looks")
     target: Vector | None = Field(None, description="point that all look at [scene unit]")
+    field: FieldTable | None = Field(None, description="light from outside of this field of view does not count")
+    glare: bool = Field(False, description="whether glare is rated: UGR of CIE 117, in glare.csv")
 
     @model_validator(mode="after")
     def _one_direction(self) -> "EyeSensor":
@@ -85,7 +147,38 @@ class EyeSensor(Table):
         return self
 
 
-SensorTable = Annotated[PointsSensor | GridSensor | SurfaceSensor | EyeSensor, Field(discriminator="kind")]
+class LuminanceSensor(Table):
+    """Luminance of what is seen from an eye: at points, or the mean over a rectangle of a view."""
+
+    model_config = one_of("targets", "directions", "view")
+
+    name: Name = Field(description=_NAME.replace("readings", "luminances"))
+    kind: Literal["luminance"]
+    eye: Vector | None = Field(None, description="place that it is seen from [scene unit]; a view has its own")
+    targets: list[Vector] | None = Field(None, min_length=1, description="points that are looked at [scene unit]")
+    directions: list[Vector] | None = Field(None, min_length=1, description="directions that are looked in")
+    view: Name | None = Field(None, description="name of a view, a rectangle of which is one reading")
+    pixels: tuple[Pixel, Pixel, Pixel, Pixel] | None = Field(
+        None,
+        description="left, top, right and bottom edge of the rectangle [pixels from the top left]; all if left out",
+    )
+    rays: tuple[Count, Count] | None = Field(
+        None, description="columns and rows of the even grid of rays that the mean is over; 8 × 8 if left out"
+    )
+
+    @model_validator(mode="after")
+    def _one_region(self) -> "LuminanceSensor":
+        what = exactly_one(self, "targets", "directions", "view")
+        if (what == "view") == (self.eye is not None):
+            raise PydanticCustomError("eye", "with a view no `eye`, without one an `eye` is needed")
+        if what != "view" and (self.pixels is not None or self.rays is not None):
+            raise PydanticCustomError("useless_key", "{keys} given", {"keys": "pixels or rays", "response": what})
+        return self
+
+
+SensorTable = Annotated[
+    PointsSensor | GridSensor | SurfaceSensor | EyeSensor | LuminanceSensor, Field(discriminator="kind")
+]
 
 
 class ViewTable(Table):

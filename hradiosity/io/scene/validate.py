@@ -146,6 +146,10 @@ def _report_detail(raw: dict[str, Any], detail: ErrorDetails, report: Report) ->
         report.fault(location, "is missing", _description(detail["loc"]))
     elif kind == "exactly_one":
         report.fault(location, f"{detail['ctx']['given']} given", f"exactly one of {detail['ctx']['choices']}")
+    elif kind == "useless_key":
+        report.fault(location, detail["msg"], f"none of that with {detail['ctx']['response']}")
+    elif kind == "no_facing":
+        report.fault((*location, "facing"), "is missing", "the direction that half cylinders face")
     elif kind == "literal_error":
         known = detail["ctx"]["expected"].replace(" or ", ", ").strip("'").split("', '")
         report.fault(location, repr(given), did_you_mean(str(given), known))
@@ -153,7 +157,7 @@ def _report_detail(raw: dict[str, Any], detail: ErrorDetails, report: Report) ->
         tags = detail["ctx"]["expected_tags"].strip("'").split("', '")
         report.fault((*location, "kind"), repr(detail["ctx"]["tag"]), did_you_mean(detail["ctx"]["tag"], tags))
     elif kind == "union_tag_not_found":
-        report.fault((*location, "kind"), "is missing", "kind = 'points', 'grid', 'surface' or 'eye'")
+        report.fault((*location, "kind"), "is missing", "kind = 'points', 'grid', 'surface', 'eye' or 'luminance'")
     elif kind == "list_type" and len(location) == 1:
         report.fault(location, f"[{key}] is one table", f"[[{key}]], in double brackets, since there can be several")
     else:
