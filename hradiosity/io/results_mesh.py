@@ -12,10 +12,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.io.results_drawing import compression, luminaire_exitances, side_luminaires, write_drawing
 from hradiosity.metrics.photometric import illuminance, luminance
-from hradiosity.model.geometry import NONE
+from hradiosity.model.scene import Scene
 from hradiosity.solution import Solution
 from hradiosity.space.cells import cell_corners
+from hradiosity.space.hierarchy import Elements
 
 if TYPE_CHECKING:
     import h5py
@@ -49,8 +51,10 @@ def mesh_file(solution: Solution, checkpoint: Mapping[str, NDArray[Any]], digest
 
     memory = io.BytesIO()
     with h5py.File(memory, "w") as file:
-        _write_mesh(file.create_group("VTKHDF"), solution)
-        _write_own(file.create_group("hradiosity"), solution)
+        write_mesh(file.create_group("VTKHDF"), solution.scene, solution.elements, cell_arrays(solution))
+        own = file.create_group("hradiosity")
+        _write_own(own, solution)
+        write_drawing(own, solution.scene, solution.elements)
         write_checkpoint(file, checkpoint, digest)
     return memory.getvalue()
 
@@ -63,9 +67,9 @@ def write_checkpoint(file: h5py.File, checkpoint: Mapping[str, NDArray[Any]], di
         group.create_dataset(name, data=array)
 
 
-def _write_mesh(group: h5py.Group, solution: Solution) -> None:
+def write_mesh(group: h5py.Group, scene: Scene, elements: Elements, arrays: Mapping[str, NDArray[Any]]) -> None:
     """Points, polygons and what each cell carries."""
-    corners, is_triangle = cell_corners(solution.scene.patches, solution.elements)
+    corners, is_triangle = cell_corners(scene.patches, elements)
     keep = np.ones(corners.shape[:2], bool)
     keep[is_triangle, 3] = False
     points = corners[keep]
@@ -82,9 +86,9 @@ def _write_mesh(group: h5py.Group, solution: Solution) -> None:
         part["Offsets"] = offsets if own else np.zeros(1, np.int64)
         part["Connectivity"] = np.arange(len(points) if own else 0)
     data = group.create_group("CellData")
-    for name, array in cell_arrays(solution).items():
-        data.create_dataset(name, data=array, **_compression(array))
-    group.create_group("FieldData")["wavelength_nm"] = solution.scene.bands.centre
+    for name, array in arrays.items():
+        data.create_dataset(name, data=array, **compression(array))
+    group.create_group("FieldData")["wavelength_nm"] = scene.bands.centre
 
 
 def cell_arrays(solution: Solution) -> dict[str, NDArray[Any]]:
@@ -93,16 +97,22 @@ def cell_arrays(solution: Solution) -> dict[str, NDArray[Any]]:
     row = elements.cell_row
     irradiance = solution.surfaces.irradiance[row]
     exitance = solution.exitance[row] + _emitted(solution)
-    patch = elements.cell_side // 2
     return {
         "exitance": (exitance / bands.width).astype(np.float32),
         "irradiance": (irradiance / bands.width).astype(np.float32),
         "radiance": (exitance / bands.width / np.pi).astype(np.float32),
         "luminance": luminance(exitance / np.pi, bands).astype(np.float32),
         "illuminance": illuminance(irradiance, bands).astype(np.float32),
-        "element": row.astype(np.int32),
-        "material": elements.row_material[row].astype(np.int32),
-        "object": scene.patches.object[patch].astype(np.int32),
+        **cell_numbers(scene, elements),
+    }
+
+
+def cell_numbers(scene: Scene, elements: Elements) -> dict[str, NDArray[Any]]:
+    """Element, material, object and side of each cell."""
+    return {
+        "element": elements.cell_row.astype(np.int32),
+        "material": elements.row_material[elements.cell_row].astype(np.int32),
+        "object": scene.patches.object[elements.cell_side // 2].astype(np.int32),
         "side": (elements.cell_side % 2).astype(np.int32),
     }
 
@@ -110,23 +120,24 @@ def cell_arrays(solution: Solution) -> dict[str, NDArray[Any]]:
 def _emitted(solution: Solution) -> NDArray[np.float64]:
     """(n_cells, n_bands) exitance that the cells emit themselves [W m⁻² per band]."""
     scene = solution.scene
-    emitted = np.zeros((2 * len(scene.patches), len(scene.bands)))
-    for index, lamp in enumerate(scene.luminaires):
-        patch = scene.emitters.patch[(scene.emitters.luminaire == index) & (scene.emitters.patch != NONE)]
-        if len(patch):
-            emitted[2 * patch] = lamp.exitance
-            if lamp.two_sided:
-                emitted[2 * patch + 1] = lamp.exitance
-    return emitted[solution.elements.cell_side]
+    exitance = np.concatenate([luminaire_exitances(scene), np.zeros((1, len(scene.bands)))])
+    return exitance[side_luminaires(scene)[solution.elements.cell_side]]
 
 
 def _write_own(group: h5py.Group, solution: Solution) -> None:
     """Names, bands, paints and the light of the elements in full."""
-    scene = solution.scene
+    write_names(group, solution.scene)
+    group.attrs["replicates"] = solution.replicates
+    group["element_area_m2"] = solution.elements.area
+    group["element_exposed"] = solution.surfaces.exposed
+    group["element_space"] = solution.surfaces.space
+
+
+def write_names(group: h5py.Group, scene: Scene) -> None:
+    """Names, bands and paints."""
     group.attrs["format"] = FORMAT
     group.attrs["scene"] = scene.name
     group.attrs["scene_file"] = str(scene.path or "")
-    group.attrs["replicates"] = solution.replicates
     for name, unit in UNITS.items():
         group.attrs[f"unit_{name}"] = unit
     group["band_lower_nm"] = scene.bands.lower
@@ -135,11 +146,3 @@ def _write_own(group: h5py.Group, solution: Solution) -> None:
     group["material_reflectance"] = scene.reflectance
     for name, words in (("material_names", [m.name for m in scene.materials]), ("object_names", scene.objects)):
         group[name] = np.array([word.encode() for word in words] or [b""])
-    group["element_area_m2"] = solution.elements.area
-    group["element_exposed"] = solution.surfaces.exposed
-    group["element_space"] = solution.surfaces.space
-
-
-def _compression(array: NDArray[Any]) -> dict[str, Any]:
-    """Filters that every HDF5 reader has, for what is large."""
-    return {"compression": "gzip", "compression_opts": 1, "shuffle": True} if array.nbytes > 1 << 16 else {}

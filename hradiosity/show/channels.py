@@ -9,7 +9,7 @@ from hradiosity.metrics.colorimetric import xyz_weights
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model import photometry
 from hradiosity.model.scene import Scene
-from hradiosity.model.spectrum import band_integral
+from hradiosity.model.spectrum import Bands, band_integral
 
 CHANNELS = 4
 """X, Y, Z of the reflected exitance [lm m⁻²], and the illuminance [lx]."""
@@ -29,10 +29,14 @@ def emitted_xyz(scene: Scene) -> NDArray[np.float32]:
 
 def paint_colours(scene: Scene) -> NDArray[np.float64]:
     """(n_materials + 1, 3) X, Y, Z of the paints, and of black, under CIE D65; Y of a perfect white is 1."""
-    light = band_integral(photometry.illuminant("D65"), scene.bands, "hold").value
-    weights = light[:, None] * xyz_weights(scene.bands)
-    paints = np.concatenate([scene.reflectance, np.zeros((1, len(scene.bands)))])
-    return np.asarray(np.einsum("mb,bc->mc", paints, weights / weights[:, 1].sum()))
+    return colours_of_paints(np.concatenate([scene.reflectance, np.zeros((1, len(scene.bands)))]), scene.bands)
+
+
+def colours_of_paints(reflectance: NDArray[np.float64], bands: Bands) -> NDArray[np.float64]:
+    """(n, 3) X, Y, Z of reflectances (n, n_bands) under CIE D65; Y of a perfect white is 1."""
+    light = band_integral(photometry.illuminant("D65"), bands, "hold").value
+    weights = light[:, None] * xyz_weights(bands)
+    return np.asarray(np.einsum("mb,bc->mc", reflectance, weights / weights[:, 1].sum()))
 
 
 def reflected_channels(

@@ -184,6 +184,7 @@ def _record(
     return {
         "exposure": {
             "white_luminance_cd_m2": white,
+            "white": options.white,
             "rule": "as asked for" if asked else "1 in 100 points that do not shine is brighter, all views together",
             "colours": f"{drawings[0].white.words}; clipped, no tone curve",
         },

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hradiosity.metrics.adaptation import adaptation_matrix
 from hradiosity.metrics.colorimetric import SRGB_WHITE, xyz_weights
+from hradiosity.model.lamps import lamp_flux
 from hradiosity.model.scene import Scene
 
 WhiteName = Literal["as-measured", "lamps"]
@@ -40,14 +41,18 @@ def as_measured() -> White:
 
 
 def white_of(scene: Scene, name: WhiteName) -> White:
-    """The white of a scene's pictures.
+    """The white of a scene's pictures, see `white_of_light`; the light is that of all lamps together."""
+    return white_of_light(lamp_light(scene) if name == "lamps" else np.zeros(3), name)
+
+
+def white_of_light(light: NDArray[np.float64], name: WhiteName) -> White:
+    """The white of pictures of a scene whose lamps send `light` (3,), X, Y, Z of any unit.
 
     With "lamps" the light of all lamps together, weighted with their flux, becomes the display's white (CIE D65);
     that of the sky in a scene without lamps. Where nothing shines colours stay as measured, and the words say so.
     """
     if name == "as-measured":
         return as_measured()
-    light = lamp_light(scene)
     if not light[1] > 0.0:
         return White(np.eye(3), f"{_AS_MEASURED}: nothing shines")
     x, y = SRGB_WHITE
@@ -59,13 +64,5 @@ def white_of(scene: Scene, name: WhiteName) -> White:
 
 def lamp_light(scene: Scene) -> NDArray[np.float64]:
     """(3,) X, Y, Z of the flux of all lamps [lm], or of the sky's radiance [cd m⁻²] where there is none."""
-    weights, lamps = xyz_weights(scene.bands), scene.emitters
-    sent = np.zeros(len(scene.bands))
-    for patch, luminaire in zip(lamps.patch, lamps.luminaire, strict=True):
-        lamp = scene.luminaires[luminaire]
-        sides = 2.0 if lamp.two_sided else 1.0
-        sent += sides * scene.patches.area[patch] * lamp.exitance if patch >= 0 else 4.0 * np.pi * lamp.intensity
-    if not sent.any() and scene.sky is not None:
-        sent = scene.sky.radiance
-    light: NDArray[np.float64] = np.einsum("b,bc->c", sent, weights)
+    light: NDArray[np.float64] = np.einsum("b,bc->c", lamp_flux(scene), xyz_weights(scene.bands))
     return light
