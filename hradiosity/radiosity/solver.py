@@ -27,6 +27,7 @@ from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import SurfaceSolver
+from hradiosity.radiosity.watching import LightWatch
 from hradiosity.readings.differences import VariantMoments, replicate_readings
 from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.interval import part_of
@@ -70,6 +71,7 @@ class RadiositySolver:
         self.scene, self.options, self.device = scene, options, device
         self.record = Record()
         self.cpu_seconds = 0.0
+        self.watch: LightWatch | None = None
         self._calibration = calibration
         self._pacer = Pacer.of(options)
         self._geometry: Geometry | None = None
@@ -243,6 +245,7 @@ class RadiositySolver:
                 self._surfaces = surfaces
             surfaces.plan = with_geometry(surfaces.plan, self.record.seconds)
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
+        self._surfaces.watch = self.watch
         return self._surfaces
 
     def _find_geometry(self) -> Geometry:
