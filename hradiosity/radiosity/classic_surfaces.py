@@ -19,8 +19,8 @@ from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning_classic import ClassicSizes, classic_plan
 from hradiosity.radiosity.shooting import KEPT_BYTES, ShootingPoints, ShootingRows, over_area, shooting_points
 from hradiosity.radiosity.surfaces import SINGLE_PRECISION, SurfaceSolver
-from hradiosity.solvers.result import Convergence
-from hradiosity.solvers.southwell import ShootingSystem, shoot, shooting_weights
+from hradiosity.solvers.result import Convergence, Progress
+from hradiosity.solvers.southwell import ShootingState, ShootingSystem, shoot, shooting_weights
 from hradiosity.space.hierarchy import COVERED, Elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.space.substructure import SPLITS, Substructure, cut_substructure
@@ -270,6 +270,8 @@ class ClassicSurfaces(SurfaceSolver):
             system, weight, tolerance=self.options.tolerance, batch=batch, max_shots=SHOTS_A_PATCH * n_patches
         ):
             history.append(state.residual)
+            if self.watch is not None:
+                self._show(self._progress(state, system.direct, direct))
         self.record.convergence.append(
             Convergence(
                 tuple(history),
@@ -281,6 +283,12 @@ class ClassicSurfaces(SurfaceSolver):
             )
         )
         return state.shot
+
+    def _progress(self, state: ShootingState, pooled: NDArray[np.float64], direct: NDArray[np.float64]) -> Progress:
+        """Where shooting stands: on each element its own direct light, and what its patch received from shots."""
+        received = state.irradiance - pooled
+        shots = state.shots / max(len(pooled), 1)
+        return Progress("southwell", shots, state.residual, lambda: direct + received[self._row_patch])
 
     def _note(
         self,

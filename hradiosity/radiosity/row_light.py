@@ -12,7 +12,7 @@ from hradiosity.plan import Plan
 from hradiosity.solvers.choice import SolverChoice, solve_system
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.reduced import solve_by_basis
-from hradiosity.solvers.result import Convergence
+from hradiosity.solvers.result import Convergence, Watch
 from hradiosity.solvers.spectral_basis import SpectralBasis
 
 SPECTRAL_DEFECT = 5.0
@@ -43,6 +43,7 @@ class RowLight:
         direct: NDArray[np.float32],
         start: NDArray[np.float32] | None,
         deflation: NDArray[np.float64] | None,
+        watch: Watch | None = None,
     ) -> tuple[NDArray[np.float32], list[Convergence]]:
         """Irradiance (n_rows, 8 n_groups) that reflection makes of `direct`, on a basis where that is good enough.
 
@@ -53,6 +54,8 @@ class RowLight:
         start : (n_rows, 8 n_groups) float32, optional
             First guess of what reflection adds.
         deflation : (n_rows, k) float64, optional
+        watch : Watch, optional
+            Called after each step.
 
         Returns
         -------
@@ -71,13 +74,21 @@ class RowLight:
                 tolerance=tolerance,
                 start=start,
                 deflation=deflation,
+                watch=watch,
             )
             account.append(convergence)
             if self.accepts(convergence):
                 return irradiance, account
             start = irradiance - direct
         irradiance, convergence = solve_system(
-            self.choice, operator, reflectance, direct, tolerance=tolerance, start=start, deflation=deflation
+            self.choice,
+            operator,
+            reflectance,
+            direct,
+            tolerance=tolerance,
+            start=start,
+            deflation=deflation,
+            watch=watch,
         )
         account.append(replace(convergence, solved_columns=self.plan.columns.n_columns))
         return irradiance, account

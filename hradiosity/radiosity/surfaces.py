@@ -22,6 +22,7 @@ from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.refinement import GreyLight, Refinement
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
 from hradiosity.radiosity.row_means import RowMeans
+from hradiosity.radiosity.watching import Glimpse, LightWatch
 from hradiosity.readings.interval import part_of
 from hradiosity.readings.surface_light import SurfaceLight, emitter_choice
 from hradiosity.solution import Surfaces
@@ -30,6 +31,7 @@ from hradiosity.solvers.deflation import DEFLATE_ABOVE, deflation_vectors
 from hradiosity.solvers.dense import DIRECT_SOLVERS, check_dense_size
 from hradiosity.solvers.error_growth import ErrorGrowth, error_growth
 from hradiosity.solvers.operator import ExchangeOperator
+from hradiosity.solvers.result import Progress
 from hradiosity.solvers.southwell import shooting_weights
 from hradiosity.solvers.spectral_basis import SpectralBasis, choose_basis
 from hradiosity.space.bvh import Bvh
@@ -74,6 +76,8 @@ class SurfaceSolver:
         Filled while running.
     """
 
+    watch: LightWatch | None = None
+    """Called while the light is solved for."""
     exchange_by_rays = True
     """Whether the exchange is made of the rays that each element sends out."""
     uses_shafts = True
@@ -285,6 +289,21 @@ class SurfaceSolver:
             exposed=self._means.exposed,
         )
 
+    def _show(self, progress: Progress) -> None:
+        """Let whoever watches have a look."""
+        if self.watch is not None:
+            done = self._means.count
+            self.watch(Glimpse(self.scene, self.elements, progress, done, lambda: self._surfaces_with(progress)))
+
+    def _surfaces_with(self, progress: Progress) -> Surfaces:
+        """As `surfaces`, with what the solver of this replicate has so far; without the direct part."""
+        done, to_bands = self._means.count, self.plan.columns.to_bands
+        now = to_bands(progress.irradiance())
+        before = to_bands(self._means.indirect + self._means.direct)
+        exposed = self._means.exposed if done else np.ones(len(self.elements))
+        mean = (done * before + now) / (done + 1)
+        return Surfaces(irradiance=mean, direct=np.zeros_like(mean), space=self.space, exposed=exposed)
+
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs beside the constructor's arguments."""
         kept: dict[str, NDArray[Any]] = {"links": self._links, **self._refinement.checkpoint()}
@@ -383,7 +402,9 @@ class SurfaceSolver:
                     )
                 start = self._means.indirect.astype(np.float32) - glow if self._means.count else None
                 lit = irradiance
-                irradiance, account = self._solver.solve(operator, reflectance, lit, start, self._deflation)
+                irradiance, account = self._solver.solve(
+                    operator, reflectance, lit, start, self._deflation, watch=self._show if self.watch else None
+                )
                 self.record.convergence.extend(account)
                 if self._growth is None:
                     self._growth = error_growth(operator, reflectance, lit, irradiance)

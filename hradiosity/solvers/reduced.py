@@ -11,7 +11,7 @@ from hradiosity.device import Device
 from hradiosity.solvers.choice import SolverChoice, solve_system
 from hradiosity.solvers.column_algebra import column_ratio
 from hradiosity.solvers.operator import ExchangeOperator
-from hradiosity.solvers.result import Columns, Solved
+from hradiosity.solvers.result import Columns, Progress, Solved, Watch
 from hradiosity.solvers.spectral_basis import SpectralBasis
 from hradiosity.solvers.vectors import squares
 
@@ -26,6 +26,7 @@ def solve_by_basis(
     tolerance: float,
     start: Columns | None = None,
     deflation: NDArray[np.float64] | None = None,
+    watch: Watch | None = None,
 ) -> Solved:
     """As `solve_system`, iterating on the basis' columns only; the others are combined and reflected once more.
 
@@ -42,6 +43,14 @@ def solve_by_basis(
     weight = None if choice.weight is None else solved(choice.weight[None])[0]
 
     few_direct = solved(direct)
+
+    def relay(progress: Progress) -> None:
+        def light() -> Columns:
+            return direct + _combined(operator.device, progress.irradiance() - few_direct, basis, direct.shape[1])
+
+        if watch is not None:
+            watch(replace(progress, irradiance=light))
+
     few, convergence = solve_system(
         replace(choice, weight=weight),
         operator,
@@ -50,6 +59,7 @@ def solve_by_basis(
         tolerance=tolerance,
         start=None if start is None else solved(start),
         deflation=deflation,
+        watch=None if watch is None else relay,
     )
     indirect = _combined(operator.device, few - few_direct, basis, direct.shape[1])
     area = operator.root_area[:, None]
