@@ -14,7 +14,10 @@ from hradiosity.model.scene import Scene
 from hradiosity.plan import Plan
 from hradiosity.space.hierarchy import Elements
 
-LIGHT_NUMBERS = ("irradiance", "illuminance", "chromaticity", "mean_illuminance", "uniformity")
+LIGHT_NUMBERS = (
+    *("irradiance", "illuminance", "chromaticity"),
+    *("mean_illuminance", "lowest_illuminance", "highest_illuminance", "uniformity", "diversity"),
+)
 """Numbers that all readings have."""
 RELATIVE_NUMBERS = ("relative_illuminance", "relative_mean_illuminance")
 """Numbers that only differences have."""
@@ -51,8 +54,9 @@ class Readings(_AtPoints):
     numbers : by name, each with an interval that comes from the same number in each replicate, and not from the
         intervals of what it is made of: ``irradiance`` (n, n_bands) [W m⁻² per band], ``illuminance`` (n,) [lx],
         ``chromaticity`` (n, 2) CIE 1931 x and y, NaN without light; numbers of colour and the eye (n,), see
-        `hradiosity.metrics.derived`, NaN where not defined; of the sensor as a whole ``mean_illuminance`` [lx] and
-        ``uniformity``, U₀, lowest over mean illuminance
+        `hradiosity.metrics.derived`, NaN where not defined; of the sensor as a whole ``mean_illuminance``,
+        ``lowest_illuminance``, ``highest_illuminance`` [lx], ``uniformity``, U₀, lowest over mean, and ``diversity``,
+        U_d, lowest over highest illuminance
 
     Half widths are those of 95 % intervals; `Estimate.half_width_at` has others.
     """

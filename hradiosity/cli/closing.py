@@ -13,15 +13,31 @@ from hradiosity.cli.interrupts import held_back, let_through
 from hradiosity.cli.live_files import rescue
 from hradiosity.cli.request import PREVIEW, Run, command, short
 from hradiosity.cli.sensing import NOT_COVERED
-from hradiosity.cli.text import account_line, note_lines, outside_lines, parts_lines, sensor_lines, time_lines
+from hradiosity.cli.text import (
+    account_line,
+    glare_lines,
+    maintained_lines,
+    note_lines,
+    outside_lines,
+    parts_lines,
+    sensor_lines,
+    time_lines,
+)
 from hradiosity.errors import OutputError
 from hradiosity.io import calibration
 from hradiosity.io.output_folder import publish
-from hradiosity.io.results import write_results, write_run
+from hradiosity.io.results import write_glare, write_results, write_run
 from hradiosity.io.results_variants import variants_record
 from hradiosity.io.run_record import sensor_record
+from hradiosity.model.variants import MAINTAINED
 from hradiosity.radiosity import RadiositySolver
+from hradiosity.readings.glare import glare_of
 from hradiosity.solution import Solution
+
+GLARE_TITLE = "Glare of observers: UGR (CIE 117) with half widths; glare_sources.csv has the luminaires that count"
+MAINTAINED_TITLE = (
+    "Maintained illuminance: with what the lamps' light has left before maintenance; the sky keeps its own"
+)
 
 
 def finish(run: Run, solver: RadiositySolver, solution: Solution, digest: str, interrupted: bool) -> int:
@@ -32,6 +48,7 @@ def finish(run: Run, solver: RadiositySolver, solution: Solution, digest: str, i
         try:
             parts = run.request.outputs.interval_parts
             write_results(run.partial, solution, solver.checkpoint(), digest, parts=parts)
+            _rate_glare(run, solver, solution)
             if run.request.outputs.pictures and not interrupted and not came:
                 interrupted = _draw(run, solver, solution)
         except OutputError as error:
@@ -50,6 +67,14 @@ def finish(run: Run, solver: RadiositySolver, solution: Solution, digest: str, i
     run.display.close()
     _report(run, solution, seconds, state)
     return code
+
+
+def _rate_glare(run: Run, solver: RadiositySolver, solution: Solution) -> None:
+    """UGR of the observers that the scene asks for, written and told."""
+    glare = glare_of(solution.scene, solution.readings, solver.on_device.bvh)
+    if glare:
+        write_glare(run.partial, solution.scene, glare)
+        run.closing.append((GLARE_TITLE, glare_lines(glare)))
 
 
 def _draw(run: Run, solver: RadiositySolver, solution: Solution) -> bool:
@@ -106,6 +131,8 @@ def _report(run: Run, solution: Solution, seconds: dict[str, float], state: str)
         told = [*parts_lines(solution.readings), *audit_lines(solution.record), *outside_lines(solution.scene.bands)]
         told.append(f"intervals do not cover {NOT_COVERED}; --sensitivity tells what wrong ones would change")
         display.lines([*sensor_lines(solution.readings), *told], title=title)
+    if MAINTAINED in solution.variants:
+        display.lines(maintained_lines(solution), title=MAINTAINED_TITLE)
     if solution.variants:
         display.lines(variant_lines(solution), title=DIFFERENCES_TITLE)
     for title, lines in run.closing:

@@ -56,6 +56,6 @@ def write_referee(folder: Path, readings: Mapping[str, Readings], bands: Bands) 
     OutputError
         When a file can't be written.
     """
-    write_file(folder / "referee_readings.csv", readings_table(readings))
+    write_file(folder / "referee_readings.csv", readings_table(readings, bands))
     write_file(folder / "referee_spectra.csv", spectra_table(readings, bands))
     write_file(folder / "referee_spectra_half_width.csv", spectra_table(readings, bands, half_width=True))

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from hradiosity.model.scene import Note
     from hradiosity.model.spectrum import Bands
+    from hradiosity.readings.glare import Glare
     from hradiosity.solution import Readings, Solution
 
 TOLD_PART = 5e-5
@@ -33,21 +34,51 @@ def note_lines(notes: Sequence[Note], *, all_of_them: bool = False) -> list[str]
 
 
 def sensor_lines(readings: Mapping[str, Readings]) -> list[str]:
-    """A table of illuminance, a line a sensor, with half widths of 95 % intervals."""
-    rows = [("sensor", "readings", "mean lx", "min lx", "max lx", "uniformity", "accuracy")]
+    """A table of illuminance, a line a sensor, with half widths of 95 % intervals, and one of luminance, if any is."""
+    lines: list[str] = []
+    for looks, unit in ((False, "lx"), (True, "cd/m²")):
+        some = {name: found for name, found in readings.items() if (found.kind == "luminance") == looks}
+        if some:
+            lines += _level_lines(some, unit)
+    return lines
+
+
+def _level_lines(readings: Mapping[str, Readings], unit: str) -> list[str]:
+    rows: list[tuple[str, ...]] = [
+        ("sensor", "readings", f"mean {unit}", f"min {unit}", f"max {unit}", "uniformity", "min/max", "accuracy"),
+    ]
     for name, found in readings.items():
-        low, high = int(found.illuminance.argmin()), int(found.illuminance.argmax())
-        rows.append(
-            (
-                name,
-                str(len(found)),
-                plus_minus(found.mean_illuminance, found.mean_illuminance_half_width),
-                plus_minus(float(found.illuminance[low]), float(found.illuminance_half_width[low])),
-                plus_minus(float(found.illuminance[high]), float(found.illuminance_half_width[high])),
-                plus_minus(found.uniformity, found.uniformity_half_width),
-                percent(float(found.accuracy.max())),
-            )
-        )
+        numbers = [found.numbers[f"{level}_illuminance"] for level in ("mean", "lowest", "highest")]
+        numbers += [found.numbers[key] for key in ("uniformity", "diversity")]
+        label = name if found.kind in ("plane", "luminance") else f"{name} ({found.kind})"
+        told = [plus_minus(float(number.value), float(number.half_width)) for number in numbers]
+        rows.append((label, str(len(found)), *told, percent(float(found.accuracy.max()))))
+    return aligned(rows)
+
+
+def maintained_lines(solution: Solution) -> list[str]:
+    """Mean and lowest maintained illuminance, a line a sensor; none without maintenance factors."""
+    from hradiosity.model.variants import MAINTAINED
+
+    kept = solution.variants.get(MAINTAINED)
+    if kept is None:
+        return []
+    rows: list[tuple[str, ...]] = [("sensor", "mean lx", "min lx")]
+    for name, found in kept.readings.items():
+        if found.kind != "luminance":
+            numbers = [found.numbers[f"{level}_illuminance"] for level in ("mean", "lowest")]
+            rows.append((name, *(plus_minus(float(n.value), float(n.half_width)) for n in numbers)))
+    return aligned(rows)
+
+
+def glare_lines(glare: Mapping[str, Glare]) -> list[str]:
+    """UGR of each observer with its half width, or why there is none."""
+    rows = [("observer", "UGR", "background cd/m²", "luminaires", "")]
+    for name, found in glare.items():
+        for i, reason in enumerate(found.reason):
+            number = "–" if reason else plus_minus(float(found.ugr[i]), float(found.half_width[i]))
+            sources = str(len(found.sources.of(i)))
+            rows.append((f"{name} {i}", number, f"{found.background[i]:.4g}", sources, reason))
     return aligned(rows)
 
 

@@ -11,12 +11,21 @@ from numpy.typing import NDArray
 
 from hradiosity.errors import OutputError
 from hradiosity.io.output_folder import reason, write_file
-from hradiosity.io.results_tables import PLACE_COLUMNS, csv_table, half_width_column, readings_table, spectra_table
+from hradiosity.io.results_tables import (
+    PLACE_COLUMNS,
+    csv_table,
+    half_width_column,
+    irradiances,
+    luminances,
+    luminances_table,
+    readings_table,
+    spectra_table,
+)
 from hradiosity.io.run_record import sensor_record
 from hradiosity.solution import Differences, Solution
 
 VARIANTS_FOLDER = "variants"
-_UNITS = ("_lx", "_k")
+_UNITS = ("_lx", "_k", "_w_m2")
 
 
 def write_variants(folder: Path, solution: Solution, *, parts: bool = False) -> None:
@@ -38,9 +47,13 @@ def write_variants(folder: Path, solution: Solution, *, parts: bool = False) -> 
             own.mkdir(parents=True, exist_ok=True)
         except OSError as error:
             raise OutputError(f"{own} can't be made: {reason(error)}") from error
-        write_file(own / "readings.csv", readings_table(variant.readings, parts=parts))
-        write_file(own / "spectra.csv", spectra_table(variant.readings, solution.scene.bands))
-        write_file(own / "differences.csv", differences_table(variant.differences))
+        bands = solution.scene.bands
+        write_file(own / "readings.csv", readings_table(variant.readings, bands, parts=parts))
+        write_file(own / "spectra.csv", spectra_table(variant.readings, bands))
+        if luminances(variant.readings):
+            write_file(own / "luminances.csv", luminances_table(variant.readings, bands))
+        told = {sensor: variant.differences[sensor] for sensor in irradiances(variant.readings)}
+        write_file(own / "differences.csv", differences_table(told))
 
 
 def differences_table(differences: Mapping[str, Differences]) -> bytes:
@@ -72,6 +85,7 @@ def _sensor_differences(found: Differences) -> dict[str, float]:
         "mean_illuminance_lx": "mean_illuminance",
         "relative_mean_illuminance": "relative_mean_illuminance",
         "uniformity": "uniformity",
+        "diversity": "diversity",
     }
     numbers = {column: found.numbers[name] for column, name in columns.items()}
     return {

@@ -14,6 +14,8 @@ from typing import Any
 import numpy as np
 
 from hradiosity.io.output_folder import PROGRAM
+from hradiosity.io.results_tables import temperature_reasons
+from hradiosity.metrics.temperature import REASONS
 from hradiosity.metrics.truncation import truncation
 from hradiosity.model.spectrum import Bands
 from hradiosity.plan import Plan
@@ -46,7 +48,10 @@ def run_record(solution: Solution, state: str, more: Mapping[str, Any]) -> dict[
         **record,
         "iterations": [len(c["residual"]) - 1 for c in record["solver"]],
         "repeat_with": _repeat_with(solution),
-        "sensors": {name: sensor_record(found) for name, found in solution.readings.items()},
+        "sensors": {
+            name: sensor_record(found) | {"cct_blank": _blank_temperatures(found, scene.bands)}
+            for name, found in solution.readings.items()
+        },
         "notes": [asdict(note) for note in scene.notes],
         "versions": versions(),
         **more,
@@ -69,21 +74,36 @@ def plan_record(plan: Plan, bands: Bands) -> dict[str, Any]:
 
 def sensor_record(found: Readings) -> dict[str, Any]:
     """The numbers of a sensor as a whole, half widths of 95 % intervals beside them."""
-    low, high = int(np.argmin(found.illuminance)), int(np.argmax(found.illuminance))
+    quantity, unit = ("luminance", "cd_m2") if found.kind == "luminance" else ("illuminance", "lx")
+    levels = {"mean": "mean", "min": "lowest", "max": "highest"}
+    numbers = {f"{key}_{quantity}": found.numbers[f"{name}_illuminance"] for key, name in levels.items()}
+    ratios = {name: found.numbers[name] for name in ("uniformity", "diversity")}
     return {
+        "kind": found.kind,
         "readings": len(found),
-        "mean_illuminance_lx": found.mean_illuminance,
-        "mean_illuminance_half_width_lx": found.mean_illuminance_half_width,
-        "min_illuminance_lx": float(found.illuminance[low]),
-        "min_illuminance_half_width_lx": float(found.illuminance_half_width[low]),
-        "max_illuminance_lx": float(found.illuminance[high]),
-        "max_illuminance_half_width_lx": float(found.illuminance_half_width[high]),
-        "uniformity": found.uniformity,
-        "uniformity_half_width": found.uniformity_half_width,
+        **{
+            key: float(value)
+            for name, number in numbers.items()
+            for key, value in (
+                (f"{name}_{unit}", number.value),
+                (f"{name}_half_width_{unit}", number.half_width),
+            )
+        },
+        **{
+            key: float(value)
+            for name, number in ratios.items()
+            for key, value in ((name, number.value), (f"{name}_half_width", number.half_width))
+        },
         "accuracy": float(found.accuracy.max()),
         "median_interval_parts": interval_shares({found.sensor: found}),
         "enclosed_readings": int((found.enclosed > 0.5).sum()),
     }
+
+
+def _blank_temperatures(found: Readings, bands: Bands) -> dict[str, int]:
+    """By reason: how many readings have no colour temperature because of it."""
+    reasons, counts = np.unique(temperature_reasons(found, bands), return_counts=True)
+    return {REASONS[number]: int(count) for number, count in zip(reasons, counts) if number}
 
 
 def versions() -> dict[str, str]:

@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import Any
 
 from hradiosity.errors import Fault, SceneError
+from hradiosity.io.scene.actions import read_actions
 from hradiosity.io.scene.checks import check_scene
 from hradiosity.io.scene.frame import Frame
 from hradiosity.io.scene.geometry import read_surfaces
 from hradiosity.io.scene.lamps import read_lamps, read_sky
+from hradiosity.io.scene.maintenance import maintained
 from hradiosity.io.scene.materials import read_materials
 from hradiosity.io.scene.names import Names
 from hradiosity.io.scene.report import Report
@@ -93,8 +95,9 @@ def _build(tables: SceneFile, raw: Mapping[str, Any], frame: Frame, bands: Bands
         read_sky(tables.sky, bands, report),
     )
     sensors = read_sensors(tables.sensor, None if geometry_failed else surfaces, scene, frame, report)
-    scene = replace(scene, sensors=sensors)
-    return replace(scene, variants=read_variants(tables, scene, names, report))
+    scene = replace(scene, sensors=sensors, actions=read_actions(tables.actions, bands, report))
+    variants = read_variants(tables, scene, names, report)
+    return replace(scene, variants=(*variants, *maintained(tables, scene, report)))
 
 
 def _is_whole(written: object, checked: Sequence[Table]) -> bool:

@@ -8,9 +8,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.metrics.colorimetric import xyz_weights
+from hradiosity.metrics.colorimetric import uniform_chromaticity, xyz_weights
 from hradiosity.metrics.eye import RECEPTORS, alpha_opic_weights, daylight_efficacies, ratio
-from hradiosity.metrics.fidelity import FidelityIndex
+from hradiosity.metrics.fidelity import HUES, FidelityIndex
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.metrics.rendering import RenderingIndex
 from hradiosity.metrics.temperature import colour_temperature
@@ -23,8 +23,18 @@ USUAL: Final = (
     *((f"{name}_der", "") for name in _EYE),
 )
 """Names and units of the numbers that are always told."""
-FULL: Final = (*USUAL, *((f"r{number}", "") for number in range(1, 15)), ("rf", ""), ("rg", ""))
-"""With R1 to R14, Rf and Rg, which take some ten times as long."""
+_TRISTIMULUS: Final = tuple(f"{axis}{observer}_lx" for observer in ("", "10") for axis in "xyz")
+_LOCAL: Final = tuple(f"{name}_h{sector}" for name in ("rf", "rcs", "rhs") for sector in range(1, HUES + 1))
+FULL: Final = (
+    *USUAL,
+    *((f"r{number}", "") for number in range(1, 15)),
+    *(("rf", ""), ("rg", "")),
+    *((name, "%" if name.startswith("rcs") else "") for name in _LOCAL),
+    *((name, "lx") for name in _TRISTIMULUS),
+    *(("u_prime", ""), ("v_prime", "")),
+)
+"""With R1 to R14, Rf and Rg, which take some ten times as long, the latter for each of 16 sectors of hues (fidelity,
+chroma shift, hue shift), tristimulus values of the 2° and 10° observers, and u′, v′."""
 
 
 class DerivedNumbers:
@@ -50,6 +60,7 @@ class DerivedNumbers:
         )
         self._rendering = RenderingIndex(bands)
         self._fidelity = FidelityIndex(bands) if full else None
+        self._ten_degrees = xyz_weights(bands, "1964")
 
     def __call__(self, power: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
         """Numbers of n lights.
@@ -72,7 +83,10 @@ class DerivedNumbers:
         found = [temperature.cct, temperature.duv, rendering.ra, *edi.T, *ratio(edi, sums[:, 3]).T]
         if self._fidelity is not None:
             fidelity = self._fidelity(power, temperature)
-            found += [*rendering.special.T, fidelity.rf, fidelity.rg]
+            found += [*rendering.special.T, fidelity.rf, fidelity.rg, *fidelity.local_fidelity.T]
+            found += [*fidelity.chroma_shift.T, *fidelity.hue_shift.T]
+            found += [*sums[:, :3].T, *np.einsum("nb,bk->nk", power, self._ten_degrees).T]
+            found += [*uniform_chromaticity(sums[:, :3]).T]
         return {name: values for (name, _), values in zip(self.names, found)}
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.geometry import Patches
-from hradiosity.model.spectrum import Bands
+from hradiosity.model.spectrum import Bands, Spectrum
 
 
 @dataclass(frozen=True)
@@ -142,6 +142,14 @@ class Sensor:
 
 
 @dataclass(frozen=True)
+class Action:
+    """An action spectrum that readings are weighted by; zero where it isn't tabulated, without lines."""
+
+    name: str
+    spectrum: Spectrum
+
+
+@dataclass(frozen=True)
 class View:
     """A camera.
 
@@ -191,6 +199,7 @@ class Scene:
 
     objects : names of the objects that ``patches.object`` counts
     variants : solved together with the scene itself, for the differences
+    actions : action spectra that readings are weighted by, beside those of the eye
     """
 
     name: str
@@ -206,6 +215,7 @@ class Scene:
     sky: Sky | None = None
     notes: tuple[Note, ...] = field(default=())
     variants: tuple[Variant, ...] = field(default=())
+    actions: tuple[Action, ...] = field(default=())
 
     @property
     def reflectance(self) -> NDArray[np.float64]:

@@ -11,6 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from hradiosity.model.scene import Luminaire, Material, Scene, Variant
 from hradiosity.model.spectrum import Spectrum, band_mean
 
+MAINTAINED = "maintained"
+"""Name of the variant with the light that lamps have left before maintenance."""
 _SAME_IN_ALL = ("bands", "patches", "emitters", "sensors", "sky")
 
 

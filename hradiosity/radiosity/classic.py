@@ -63,7 +63,8 @@ class ClassicSolver(RadiositySolver):
         """
         if len(self._lights) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands, full=self.options.full_metrics)
+        sensor, full = Sensor("read", position, normal), self.options.full_metrics
+        moments = ReadingMoments((sensor,), self.scene.bands, full=full, scene=self.scene)
         for light in self._lights:
             self._gather(moments, light)
         return moments.readings(self._prepare().shared_errors())["read"]

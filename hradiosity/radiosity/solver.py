@@ -180,7 +180,8 @@ class RadiositySolver:
         """
         if len(self._kept) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        moments = ReadingMoments((Sensor("read", position, normal),), self.scene.bands, full=self.options.full_metrics)
+        sensor, full = Sensor("read", position, normal), self.options.full_metrics
+        moments = ReadingMoments((sensor,), self.scene.bands, full=full, scene=self.scene)
         effort = self._plan_effort(moments, *self._kept[0])
         for elements, light, seed in self._kept:
             self._read(moments, elements, light, seed, effort)

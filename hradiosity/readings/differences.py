@@ -20,7 +20,7 @@ from hradiosity.readings.moments import (
     ReplicateReadings,
     companion_parts,
 )
-from hradiosity.readings.numbers import OF_SENSORS, ReadingNumbers, is_power
+from hradiosity.readings.numbers import OF_SENSORS, RATIOS, ReadingNumbers, is_power
 from hradiosity.readings.sensors import ReadingSamples
 from hradiosity.solution import Differences, VariantReadings
 
@@ -185,7 +185,7 @@ class _DifferenceMoments:
         }
         off = _over(bound["illuminance"], other["illuminance"])
         worst = [np.nan_to_num(off[part]).max(initial=0.0) for part in self._numbers.parts.values()]
-        effect["uniformity"] = 2.0 * share * np.array(worst) * other["uniformity"]
+        effect |= {name: 2.0 * share * np.array(worst) * other[name] for name in RATIOS}
         for name in ("illuminance", "mean_illuminance"):
             effect[f"relative_{name}"] = _over(share * (bound[name] + np.abs(values[name])), own[name])
         return effect

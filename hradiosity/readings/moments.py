@@ -126,7 +126,7 @@ class ReadingMoments:
     full : bool
         With the numbers that take longer, see `hradiosity.metrics.derived`.
     scene : Scene, optional
-        That luminance sensors look at.
+        That luminance sensors look at, and whose action spectra weigh light.
 
     Attributes
     ----------
@@ -138,7 +138,7 @@ class ReadingMoments:
     ) -> None:
         self.planes = Composition(sensors, scene)
         self._sensors = tuple(sensors)
-        self._numbers = ReadingNumbers(sensors, bands, full=full)
+        self._numbers = ReadingNumbers(sensors, bands, full=full, actions=() if scene is None else scene.actions)
         n = len(self.planes.count)
         empty = self._numbers.of(np.zeros((n, len(bands))))
         self._values = {name: RunningMoments(array.shape) for name, array in empty.items()}
@@ -242,17 +242,29 @@ class ReadingMoments:
             if name not in OF_SENSORS:
                 error = pooled(error, value, group, count - 1, relative=is_power(name))
             estimates[name] = Estimate(value, error, count - 1, others)
-        estimates["uniformity"] = self._uniformity(estimates["uniformity"])
-        return self._with_unseen(estimates)
+        return self._with_unseen(self._with_extremes(estimates))
 
-    def _uniformity(self, found: Estimate) -> Estimate:
-        """The same with the spread of that reading's share which is lowest in the mean.
+    def _with_extremes(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
+        """Extremes and their ratios with the spread of the readings that are lowest and highest in the mean.
 
         The lowest of each replicate is another reading every time, and varies less than any of them.
         """
-        error = self._shares.standard_error
-        lowest = [part.start + int(np.argmin(self._shares.mean[part])) for part in self._numbers.parts.values()]
-        return replace(found, standard_error=error[lowest])
+        mean, error, parts = self._shares.mean, self._shares.standard_error, self._numbers.parts.values()
+        lowest = np.array([part.start + int(np.argmin(mean[part])) for part in parts], np.int64)
+        highest = np.array([part.start + int(np.argmax(mean[part])) for part in parts], np.int64)
+        lux = estimates["illuminance"].standard_error
+        top = mean[highest]
+        apart = np.hypot(
+            error[lowest], error[highest] * np.divide(mean[lowest], top, out=np.zeros_like(top), where=top > 0)
+        )
+        ratio = np.divide(apart, top, out=np.zeros_like(top), where=top > 0.0)
+        errors = {
+            "lowest_illuminance": lux[lowest],
+            "highest_illuminance": lux[highest],
+            "uniformity": error[lowest],
+            "diversity": np.where(lowest == highest, 0.0, ratio),
+        }
+        return estimates | {name: replace(estimates[name], standard_error=some) for name, some in errors.items()}
 
     def _with_unseen(self, estimates: dict[str, Estimate]) -> dict[str, Estimate]:
         """The same with the light that readings may have though no path found any."""

@@ -10,13 +10,19 @@ from numpy.typing import NDArray
 from hradiosity.metrics.colorimetric import chromaticity, xyz_weights
 from hradiosity.metrics.derived import DerivedNumbers
 from hradiosity.metrics.photometric import luminous_weights
-from hradiosity.model.scene import Sensor
+from hradiosity.metrics.uniformity import even_light
+from hradiosity.metrics.weights import band_weights
+from hradiosity.model.scene import Action, Sensor
 from hradiosity.model.spectrum import Bands
 
-POWERS = ("irradiance", "illuminance", "mean_illuminance")
-"""Numbers that grow with the light, as those in lux do; a common factor cancels in all others."""
-OF_SENSORS = ("mean_illuminance", "uniformity")
+POWERS = ("irradiance", "illuminance", "mean_illuminance", "lowest_illuminance", "highest_illuminance")
+"""Numbers that grow with the light, as those in lux or W m⁻² do; a common factor cancels in all others."""
+RATIOS = ("uniformity", "diversity")
+"""Of two readings of a sensor, or of one and the mean."""
+OF_SENSORS = ("mean_illuminance", "lowest_illuminance", "highest_illuminance", *RATIOS)
 """Numbers that each sensor has one of; the others belong to readings."""
+_POWER_UNITS = ("_lx", "_w_m2")
+_LEVELS = ("mean", "lowest", "highest")
 
 
 class ReadingNumbers:
@@ -28,6 +34,8 @@ class ReadingNumbers:
     bands : Bands
     full : bool
         With R1 to R14, Rf and Rg.
+    actions : sequence of Action
+        Further action spectra that light is weighted by.
 
     Attributes
     ----------
@@ -35,12 +43,15 @@ class ReadingNumbers:
     tilt : (n_bands,) float64, from −1 or more at one end of the bands to 1 or less at the other
     """
 
-    def __init__(self, sensors: Sequence[Sensor], bands: Bands, *, full: bool = False) -> None:
+    def __init__(
+        self, sensors: Sequence[Sensor], bands: Bands, *, full: bool = False, actions: Sequence[Action] = ()
+    ) -> None:
         ends = np.cumsum([0, *(s.n_readings for s in sensors)])
         self.parts = {s.name: slice(int(ends[i]), int(ends[i + 1])) for i, s in enumerate(sensors)}
         self._luminous = luminous_weights(bands)
         self._xyz = xyz_weights(bands)
         self._derived = DerivedNumbers(bands, full=full)
+        self._actions = {f"{action.name}_w_m2": band_weights(action.spectrum, bands) for action in actions}
         middle = bands.centre - 0.5 * (bands.centre[0] + bands.centre[-1])
         self.tilt = middle / max(float(np.abs(middle).max()), np.finfo(np.float64).tiny)
 
@@ -55,21 +66,28 @@ class ReadingNumbers:
         -------
         dict
             ``irradiance`` (n, n_bands), ``illuminance`` (n,) [lx], ``chromaticity`` (n, 2) CIE 1931 x and y, NaN
-            without light, ``mean_illuminance`` [lx] and ``uniformity`` (n_sensors,), and those of
-            `hradiosity.metrics.derived`, (n,).
+            without light, those of `illuminances`, those of `hradiosity.metrics.derived`, (n,), and ``NAME_w_m2``
+            (n,) for each action spectrum.
         """
         return {
             "irradiance": spectra,
             **self.illuminances(spectra),
             "chromaticity": chromaticity(np.einsum("xb,bc->xc", spectra, self._xyz)),
             **self._derived(spectra),
+            **{name: np.einsum("xb,b->x", spectra, weight) for name, weight in self._actions.items()},
         }
 
     def illuminances(self, spectra: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
-        """Only ``illuminance``, ``mean_illuminance`` and ``uniformity``, which take next to no time."""
+        """Only those of the illuminance, which take next to no time: its own, and of each sensor (n_sensors,) its mean,
+        lowest and highest one, ``uniformity`` U₀, lowest over mean, and ``diversity`` U_d, lowest over highest.
+        """
         lux = np.einsum("xb,b->x", spectra, self._luminous)
-        sensors = np.array([_mean_and_uniformity(lux[part]) for part in self.parts.values()]).reshape(-1, 2)
-        return {"illuminance": lux, "mean_illuminance": sensors[:, 0], "uniformity": sensors[:, 1]}
+        found = [even_light(lux[part]) for part in self.parts.values()]
+        return {
+            "illuminance": lux,
+            **{f"{name}_illuminance": np.array([getattr(light, name) for light in found]) for name in _LEVELS},
+            **{name: np.array([getattr(light, name) for light in found]) for name in RATIOS},
+        }
 
     def shares_of_mean(self, lux: NDArray[np.float64], mean: NDArray[np.float64]) -> NDArray[np.float64]:
         """(n,) illuminance of each reading over the mean (n_sensors,) of its sensor; 0 where there is no light."""
@@ -82,12 +100,12 @@ class ReadingNumbers:
         """How far each number may be off when every band may be off by a share `relative` of itself.
 
         Powers by that share. Of the others the change when the spectra are tilted, by that share at either end of the
-        bands; uniformity by twice that share, since its lowest reading and its mean may be off in opposite directions,
-        but that of a single reading is 1 whatever the light.
+        bands; uniformity and diversity by twice that share, since their readings and the mean may be off in opposite
+        directions, but those of a single reading are 1 whatever the light.
         """
         effect = {name: relative * np.abs(value) for name, value in numbers.items() if is_power(name)}
         several = np.array([part.stop - part.start > 1 for part in self.parts.values()], bool)
-        effect["uniformity"] = 2.0 * relative * numbers["uniformity"] * several
+        effect |= {name: 2.0 * relative * numbers[name] * several for name in RATIOS}
         others = numbers.keys() - effect.keys()
         if others:
             tilted = self.of(spectra * (1.0 + relative * self.tilt))
@@ -97,10 +115,4 @@ class ReadingNumbers:
 
 def is_power(name: str) -> bool:
     """Whether a number grows with the light."""
-    return name in POWERS or name.endswith("_lx")
-
-
-def _mean_and_uniformity(lux: NDArray[np.float64]) -> tuple[float, float]:
-    """Mean illuminance [lx], and the lowest over it; 0 where there is no light."""
-    mean = float(lux.mean())
-    return mean, float(lux.min()) / mean if mean > 0.0 else 0.0
+    return name in POWERS or name.endswith(_POWER_UNITS)

@@ -117,7 +117,7 @@ def below_and_above(kind, axis):
 
 def open_ground(sensors, sky=1.0):
     builder = SceneBuilder()
-    builder.patch((-500, -500, -1), (1000, 0, 0), (0, 1000, 0), builder.material(0.0))
+    builder.patch((-1, -1, -1), (2, 0, 0), (0, 2, 0), builder.material(0.0))
     builder.sky = Sky(np.array([sky]))
     return replace(builder.scene(), sensors=tuple(sensors))
 

@@ -217,7 +217,7 @@ class SceneCopy:
                 write_file(folder / name, obj_text(parts, "metres, z up").encode())
                 tables["mesh"].append(_pruned(mesh.table, parts) | {"file": name, "unit": "m", "up": "z"})
         taken: dict[Path, str] = {}
-        for kind in ("materials", "luminaires", "sky", "variant"):
+        for kind in ("materials", "luminaires", "actions", "sky", "variant"):
             for table in _with_files(tables.get(kind, {})):
                 source = (self._source / table["file"]).resolve()
                 table["file"] = taken.setdefault(source, f"spectrum-{len(taken) + 1}-{source.name}")

@@ -5,7 +5,7 @@ from typing import Annotated, Any
 from pydantic import Discriminator, Field, Tag
 
 from hradiosity.io.scene.schema_base import Name, Positive, Table
-from hradiosity.io.scene.schema_light import LuminaireTable, MaterialTable, SkyTable
+from hradiosity.io.scene.schema_light import ActionTable, LuminaireTable, MaintenanceFactor, MaterialTable, SkyTable
 from hradiosity.io.scene.schema_sensors import SensorTable, ViewTable
 from hradiosity.io.scene.schema_surfaces import (
     BoxTable,
@@ -70,6 +70,11 @@ class HeaderTable(Table):
     bands: BandsTable = Field(
         UniformBands(), description="wavelength bands that light is counted in; 380 to 780 nm in 5 nm if left out"
     )
+    maintenance_factor: MaintenanceFactor | None = Field(
+        None,
+        description="share of all lamps' light that is left before maintenance: then readings.csv has maintained "
+        "illuminances too; the sky keeps its light",
+    )
 
 
 class SceneFile(Table):
@@ -86,6 +91,9 @@ class SceneFile(Table):
     sky: SkyTable | None = Field(None, description="light from outside")
     sensor: list[SensorTable] = Field([], description="where the light is read")
     view: list[ViewTable] = Field([], description="cameras")
+    actions: dict[str, ActionTable] = Field(
+        {}, description="action spectra by name: readings.csv gets a column NAME_w_m2 for each [W m⁻² times its unit]"
+    )
     variant: list[VariantTable] = Field([], description="the same scene in other paints and lamps")
 
 

@@ -25,6 +25,10 @@ class ReflectanceFile(SpectrumFile):
     )
 
 
+class ActionTable(SpectrumFile):
+    """An action spectrum that each reading is weighted by: of plants, hazards, or a curve of your own."""
+
+
 class ReflectanceLibrary(Table):
     """A reflectance that comes with the program."""
 
@@ -165,6 +169,9 @@ AMOUNTS = ("luminous_flux_lm", "luminous_exitance_lm_m2", "radiant_flux_W", "rad
 """Keys of a luminaire that say how much light it gives; exactly one is given."""
 
 
+MaintenanceFactor = Annotated[Positive, Field(le=1)]
+
+
 class LuminaireTable(Table):
     """A kind of lamp: the shape of its spectrum, and one key that says how much light it gives."""
 
@@ -194,6 +201,9 @@ class LuminaireTable(Table):
     )
     sides: Literal["front", "both"] = Field(
         "front", description="sides of a face that emit; front is where its normal points"
+    )
+    maintenance_factor: MaintenanceFactor | None = Field(
+        None, description="share of its light that is left before maintenance; that of [scene] if left out"
     )
 
     @model_validator(mode="after")

@@ -126,7 +126,7 @@ def _without_faulty(tables: dict[str, Any], details: list[ErrorDetails], report:
             good = [i for i in range(len(value)) if (key, i) not in faulty]
             kept[key] = [value[i] for i in good]
             report.renumber(key, good)
-        elif isinstance(value, dict) and key in ("materials", "luminaires"):
+        elif isinstance(value, dict) and key in ("materials", "luminaires", "actions"):
             kept[key] = {name: entry for name, entry in value.items() if (key, name) not in faulty}
     return kept
 

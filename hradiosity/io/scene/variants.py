@@ -54,7 +54,7 @@ def _variant(
     )
     luminaires = list(scene.luminaires)
     for name in [name for name in table.luminaires if name in lamps]:
-        kinds = [number for number, lamp in enumerate(luminaires) if _is_of_table(lamp, name)]
+        kinds = [number for number, lamp in enumerate(luminaires) if is_of_table(lamp, name)]
         place: Location = (*location, "luminaires", name)
         lights = _lights(
             [luminaires[k] for k in kinds], table.luminaires[name], lamps[name], scene.bands, place, report
@@ -80,7 +80,7 @@ def _painted(
     return material if found is None else replace(material, reflectance=found, measured=is_measured(form))
 
 
-def _is_of_table(lamp: Luminaire, name: str) -> bool:
+def is_of_table(lamp: Luminaire, name: str) -> bool:
     """Whether a kind of light comes from a table of that name, see `read_lamps`."""
     return lamp.name == name or (lamp.name.startswith(f"{name} (") and lamp.name.endswith(")"))
 
