@@ -5,7 +5,7 @@ from __future__ import annotations
 from cyclopts import App
 
 from hradiosity import __version__
-from hradiosity.cli import check, cost, devices, new, plan, render, schema, validate
+from hradiosity.cli import check, cost, devices, new, plan, render, schema, validate, view
 
 HELP = """Spectral radiosity for lighting research: the spectrum of light at each place of a room, with its error.
 
@@ -28,6 +28,7 @@ def make_app() -> App:
     app.command(check.check)
     app.command(cost.cost)
     app.command(devices.devices)
+    app.command(view.view)
     app.command(validate.validate)
     app.command(schema.schema)
     app.command(new.app)

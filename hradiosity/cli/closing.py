@@ -25,6 +25,7 @@ from hradiosity.cli.text import (
 )
 from hradiosity.errors import OutputError
 from hradiosity.io import calibration
+from hradiosity.io.live_light import remove_live
 from hradiosity.io.output_folder import publish
 from hradiosity.io.results import write_glare, write_results, write_run
 from hradiosity.io.results_variants import variants_record
@@ -62,6 +63,7 @@ def finish(run: Run, solver: RadiositySolver, solution: Solution, digest: str, i
         run.more["intervals_do_not_cover"] = NOT_COVERED
         write_run(run.partial, solution, state, {"stage_seconds": seconds, "command": command(), **run.more})
         publish(run.out)
+        remove_live(run.out)
     run.keep_partial = False
     _remember(run, solution)
     run.display.close()

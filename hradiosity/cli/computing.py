@@ -14,6 +14,7 @@ from hradiosity.cli.refereeing import comparison, comparison_lines, trace_refere
 from hradiosity.cli.request import Run
 from hradiosity.cli.sensing import SENSITIVITY_TITLE, run_sensitivity, sensitivity_lines
 from hradiosity.cli.text import note_lines, percent
+from hradiosity.cli.watching import LiveLight
 from hradiosity.errors import DeviceError, OutputError
 from hradiosity.io import calibration
 from hradiosity.io.checkpoint import load_checkpoint, run_digest
@@ -86,9 +87,11 @@ class Computation:
                 preview=self._request.outputs.pictures,
                 white=self._request.outputs.white.value,
             )
+            light = LiveLight(self._about.partial, self._solver)
             for state in self._solver.states():
                 self._display.state(state)
                 live.update()
+                light.update()
         except KeyboardInterrupt:
             return True
         except (DeviceError, MemoryError) as error:

@@ -28,9 +28,11 @@ class Pace:
     """When something is due again.
 
     share : of the time that it may take
+    least : seconds in between
     """
 
     share: float = TIME_SHARE
+    least: float = LEAST_PAUSE
     _due: float = field(default_factory=time.perf_counter)
 
     def wait(self, seconds: float) -> None:
@@ -44,7 +46,7 @@ class Pace:
             return
         with held_back() as came, suppress(OutputError):
             action()
-        self.wait(max(LEAST_PAUSE, (time.perf_counter() - start) / self.share))
+        self.wait(max(self.least, (time.perf_counter() - start) / self.share))
         if came:
             raise KeyboardInterrupt
 

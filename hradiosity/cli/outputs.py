@@ -24,6 +24,8 @@ class Outputs:
         Go on from an interrupted run, or from the result in the folder.
     pictures
         Draw the views of the scene.
+    view
+        Open a window that shows the light as it is found; the run does not depend on it, and goes on when it is closed.
     white
         What pictures show as white: as-measured, the display's own white, so that warm light looks warm; or lamps,
         the mean light of the scene's lamps, as to an eye that has got used to it.
@@ -48,6 +50,7 @@ class Outputs:
 
     resume: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     pictures: Annotated[bool, Parameter(negative="--no-pictures", group=OUTPUT)] = True
+    view: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     white: Annotated[White, Parameter(group=OUTPUT)] = White.as_measured
     false_color: Annotated[FalseColor, Parameter(group=OUTPUT)] = "illuminance"
     false_color_scale: Annotated[FalseColorScale, Parameter(group=OUTPUT)] = "linear"

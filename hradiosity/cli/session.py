@@ -32,6 +32,10 @@ def run(request: Request) -> int:
     HradiosityError
         For mistakes of the user, an output that can't be written and devices that fail.
     """
+    if request.outputs.view:
+        from hradiosity.show.window.display import check_display
+
+        check_display()
     start = time.perf_counter()
     scene = load_scene(request.scene)
     reading = time.perf_counter() - start
@@ -56,7 +60,11 @@ def run(request: Request) -> int:
 
 
 def _start(run: Run) -> Computation:
-    """Draw the first picture, then load the solver."""
+    """Open the window and draw the first picture, then load the solver."""
+    if run.request.outputs.view:
+        from hradiosity.cli.watching import open_window
+
+        open_window(run)
     run.known_builds = load_builds(run.device.description)
     _announce_builds(run)
     if run.request.outputs.pictures and not run.request.outputs.resume:

@@ -1,0 +1,148 @@
+"""``hradiosity view``: what is opened, and whether a window or a picture comes of it."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+from hradiosity.errors import Fault, SceneError
+from hradiosity.io.drawn_scene import Drawn
+from hradiosity.io.output_folder import RUN_FILE, RUNNING, partial_of, read_run
+from hradiosity.io.results_reading import read_result
+from hradiosity.show.window.difference import check_same_mesh
+from hradiosity.show.window.display import check_display, has_display
+from hradiosity.show.window.look import Look, Quantity
+from hradiosity.show.window.subject import Choices, Subject
+from hradiosity.show.window.viewer import SIZE, Viewer
+
+OFF_SCREEN_WINDOW: Final = "vtkEGLRenderWindow"
+_RESULT_SUFFIX: Final = ".vtkhdf"
+
+
+@dataclass(frozen=True)
+class Request:
+    """What the command line asked for; see ``hradiosity view --help``.
+
+    paths : a scene or a result; or two results
+    follow : folder of a run to follow
+    look, choices : to start with
+    view : name of the camera
+    size : of the window [pixels]
+    pick : place in pixels from the upper left corner
+    screenshot, page : files to write in place of a window
+    look_chosen : whether what false colours stand for was asked for; else it is that of the result's pictures
+    drawn : what is shown in place of what the path names
+    """
+
+    paths: tuple[Path, ...]
+    follow: Path | None = None
+    look: Look = Look()  # noqa: RUF009 - frozen
+    choices: Choices = Choices()  # noqa: RUF009 - frozen
+    view: str | None = None
+    size: tuple[int, int] = SIZE
+    pick: tuple[int, int] | None = None
+    screenshot: Path | None = None
+    page: Path | None = None
+    look_chosen: bool = False
+    drawn: Drawn | None = None
+
+
+def view(request: Request) -> None:
+    """Open the window, or write the files.
+
+    Raises
+    ------
+    SceneError
+        When what is to be shown can't be, or there is no display.
+    OutputError
+        When a file can't be written.
+    """
+    to_files = request.screenshot is not None or request.page is not None
+    if not to_files:
+        check_display()
+    subjects = load_subjects(request)
+    if to_files and not has_display():
+        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", OFF_SCREEN_WINDOW)
+    look = replace(request.look, marks=subjects[0].values is None)
+    if not request.look_chosen:
+        chosen = subjects[0].drawn.exposure
+        quantity: Quantity = "luminance" if chosen.quantity == "luminance" else "illuminance"
+        look = replace(look, quantity=quantity, logarithmic=chosen.logarithmic)
+    viewer = Viewer(
+        subjects,
+        [path.name for path in request.paths],
+        size=request.size,
+        off_screen=to_files,
+        look=look,
+        view=_known_view(request, subjects[0].drawn),
+    )
+    if request.pick is not None:
+        viewer.click(request.pick[0], request.size[1] - request.pick[1])
+    if request.screenshot is not None:
+        viewer.write_screenshot(request.screenshot)
+    if request.page is not None:
+        viewer.write_page(request.page)
+    if not to_files:
+        _run(viewer, request)
+
+
+def _run(viewer: Viewer, request: Request) -> None:
+    from hradiosity.show.window.events import Events
+    from hradiosity.show.window.following import Follower
+
+    follower = None if request.follow is None else Follower(request.follow)
+    viewer.plotter.ren_win.SetWindowName(f"hradiosity: {' | '.join(viewer.names)}")
+    try:
+        Events(viewer, None if follower is None else lambda: follower.update(viewer)).run()
+    finally:
+        if follower is not None:
+            follower.close()
+        viewer.plotter.close()
+
+
+def load_subjects(request: Request) -> list[Subject]:
+    """What the paths name: a scene, a result, or two results of one mesh.
+
+    Raises
+    ------
+    SceneError
+        When one of them is neither, is damaged, or two do not fit together.
+    """
+    drawn = [load_drawn(path) for path in request.paths] if request.drawn is None else [request.drawn]
+    if len(drawn) == 2:
+        check_same_mesh(drawn[0], drawn[1], (str(request.paths[0]), str(request.paths[1])))
+    first = Subject(drawn[0], request.choices)
+    return [first, *(Subject(other, request.choices, like=first) for other in drawn[1:])]
+
+
+def load_drawn(path: Path) -> Drawn:
+    """A result, or a scene.
+
+    Raises
+    ------
+    SceneError
+        When it is neither, or damaged.
+    """
+    if path.suffix == _RESULT_SUFFIX or (path.is_dir() and (path / RUN_FILE).exists()):
+        return read_result(path)
+    from hradiosity.io.scene_drawing import draw_scene
+    from hradiosity.io.scene_toml import load_scene
+
+    return draw_scene(load_scene(path))
+
+
+def running_in(path: Path) -> Path | None:
+    """The folder whose run goes on, if `path` is one: ``OUT`` or ``OUT.partial``."""
+    out = path.with_name(path.name.removesuffix(".partial"))
+    run = read_run(partial_of(out))
+    return out if run is not None and run.get("state") == RUNNING else None
+
+
+def _known_view(request: Request, drawn: Drawn) -> str | None:
+    names = [view.name for view in drawn.views]
+    if request.view is not None and request.view not in names:
+        expected = f"one of {', '.join(names)}" if names else "the scene has no cameras"
+        raise SceneError([Fault("view", "--camera", f"there is no camera {request.view!r}", expected)])
+    return request.view

@@ -1,0 +1,85 @@
+"""Mouse, keys and time: from the window system to the viewer's methods."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any, Final
+
+from hradiosity.show.window.keys import command_of
+from hradiosity.show.window.viewer import Viewer
+
+CLICK: Final = 4
+"""Pixels by which the mouse may move while a button is down for that to be a click."""
+_TICK_MS: Final = 250
+
+
+class Events:
+    """Listens to the window of a viewer.
+
+    Parameters
+    ----------
+    viewer : Viewer
+        With a window.
+    tick : callable, optional
+        Called four times a second.
+    """
+
+    def __init__(self, viewer: Viewer, tick: Callable[[], None] | None = None) -> None:
+        self._viewer, self._tick = viewer, tick
+        self._from: tuple[int, int] | None = None
+        self._moved = 0
+        self._moving = False
+        self._interactor: Any = viewer.plotter.iren.interactor
+        self._interactor.RemoveAllObservers()
+        self._interactor.SetInteractorStyle(None)
+        handlers = {
+            "LeftButtonPressEvent": lambda: self._press(move=bool(self._interactor.GetShiftKey())),
+            "LeftButtonReleaseEvent": self._release,
+            "MiddleButtonPressEvent": lambda: self._press(move=True),
+            "MiddleButtonReleaseEvent": self._release,
+            "MouseMoveEvent": self._move,
+            "MouseWheelForwardEvent": lambda: viewer.wheel(1.0),
+            "MouseWheelBackwardEvent": lambda: viewer.wheel(-1.0),
+            "KeyPressEvent": self._key,
+            "TimerEvent": self._on_time,
+            "ConfigureEvent": viewer.resized,
+            "ExitEvent": self._interactor.TerminateApp,
+        }
+        for name, handle in handlers.items():
+            self._interactor.AddObserver(name, lambda _caller, _event, handle=handle: handle())
+
+    def run(self) -> None:
+        """Until the window is closed."""
+        self._interactor.Initialize()
+        self._interactor.CreateRepeatingTimer(_TICK_MS)
+        self._viewer.redraw()
+        self._interactor.Start()
+
+    def _press(self, *, move: bool) -> None:
+        self._from, self._moved, self._moving = self._interactor.GetEventPosition(), 0, move
+
+    def _move(self) -> None:
+        if self._from is None:
+            return
+        x, y = self._interactor.GetEventPosition()
+        dx, dy = x - self._from[0], y - self._from[1]
+        self._moved += abs(dx) + abs(dy)
+        if self._moved > CLICK:
+            self._from = x, y
+            self._viewer.drag(dx, dy, move=self._moving)
+
+    def _release(self) -> None:
+        if self._from is not None and self._moved <= CLICK:
+            self._viewer.click(*self._interactor.GetEventPosition())
+        self._from = None
+
+    def _key(self) -> None:
+        command = command_of(self._interactor.GetKeySym() or "")
+        if command:
+            self._viewer.command(command)
+        if self._viewer.closed:
+            self._interactor.TerminateApp()
+
+    def _on_time(self) -> None:
+        if self._tick is not None:
+            self._tick()

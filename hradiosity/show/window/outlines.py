@@ -1,0 +1,57 @@
+"""Which edges of cells are outlines of elements, or of coarser levels of the hierarchy."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.io.drawn_scene import Cells
+
+
+def hierarchy_levels(cells: Cells) -> int:
+    """Times that twos of cells along an edge merge until the most finely cut patch is whole."""
+    most = int(cells.grid.max(initial=1))
+    return int(np.ceil(np.log2(most)))
+
+
+def element_levels(cells: Cells) -> NDArray[np.int64]:
+    """(n,) times that the patch of each cell was halved to get its element; 0 for a whole patch."""
+    along = cells.grid.max(axis=1, initial=1) / np.maximum(cells.width, 1)
+    level: NDArray[np.int64] = np.ceil(np.log2(np.maximum(along, 1.0)) - 1e-9).astype(np.int64)
+    return level
+
+
+def edge_flags(cells: Cells, level: int) -> NDArray[np.uint8]:
+    """(n, 4) whether the edge from each corner to the next is an outline.
+
+    Parameters
+    ----------
+    cells : Cells
+    level : int
+        0 for elements, k for blocks of 2ᵏ × 2ᵏ cells, which never are smaller than an element. Blocks at the end of a
+        patch are smaller where numbers are odd, like the nodes of hierarchical links.
+
+    Returns
+    -------
+    (n, 4) uint8
+        A triangle's last one is 0: it has no fourth edge.
+    """
+    start = cells.place.astype(np.int64)
+    end = np.roll(start, -1, axis=1)
+    block = np.maximum(cells.width.astype(np.int64), 1 << level)[:, None]
+    nu, nv = (cells.grid[:, k].astype(np.int64)[:, None] for k in (0, 1))
+    same_u, same_v = start[..., 0] == end[..., 0], start[..., 1] == end[..., 1]
+    along_u = same_u & _on_line(start[..., 0], block, nu)
+    along_v = same_v & _on_line(start[..., 1], block, nv)
+    diagonal = ~same_u & ~same_v & _on_line(start.sum(axis=2), block, nu)
+    real = np.any(start != end, axis=2)
+    flags: NDArray[np.uint8] = ((along_u | along_v | diagonal) & real).astype(np.uint8)
+    # A triangle repeats its last corner, and has its third edge from there to the first one.
+    flags[cells.is_triangle, 2] = flags[cells.is_triangle, 3]
+    flags[cells.is_triangle, 3] = 0
+    return flags
+
+
+def _on_line(place: NDArray[np.int64], block: NDArray[np.int64], count: NDArray[np.int64]) -> NDArray[np.bool_]:
+    on: NDArray[np.bool_] = (place % block == 0) | (place == count)
+    return on

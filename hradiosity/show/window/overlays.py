@@ -1,0 +1,173 @@
+"""What lies over the picture: buttons, legend, what was picked, help, and a line that says what is shown."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.show.window.keys import Button
+from hradiosity.show.window.lettering import CHOSEN, FAINT, INK, LINE, Rgba, Sheet, text_width
+from hradiosity.show.window.look import AXES, NO_LINES, Look
+from hradiosity.show.window.panels import facts_panel, help_panel, scale_legend, toolbar
+from hradiosity.show.window.stage import ORANGE, PURPLE, SKY_BLUE, ImageActor
+
+if TYPE_CHECKING:
+    from hradiosity.show.window.viewer import Viewer
+
+_GAP: Final = 8
+_LEGEND_HEIGHT: Final = 330
+Words = tuple[tuple[str, Rgba], ...]
+
+
+class Overlays:
+    """Images in a layer of their own, made anew where they changed.
+
+    Parameters
+    ----------
+    window : vtkRenderWindow
+    """
+
+    def __init__(self, window: Any) -> None:
+        from vtkmodules.vtkRenderingCore import vtkRenderer
+
+        layer = vtkRenderer()
+        layer.SetLayer(1)
+        layer.InteractiveOff()
+        window.SetNumberOfLayers(2)
+        window.AddRenderer(layer)
+        self._actors = {name: ImageActor(layer) for name in ("buttons", "legend", "facts", "status", "help")}
+        self._shown: dict[str, Hashable] = {}
+        self._bar = toolbar(frozenset())
+
+    def button_at(self, x: float, y: float) -> Button | None:
+        """The button at a place, in pixels from the upper left corner."""
+        if not 0 <= y - _GAP < self._bar.pixels.shape[0]:
+            return None
+        return self._bar.button_at(x - _GAP)
+
+    def update(self, viewer: Viewer) -> None:
+        """Show what the viewer's state calls for."""
+        width, height = viewer.size
+        self._put("buttons", (chosen_commands(viewer), height), lambda: self._bar_pixels(viewer), _GAP, _GAP, height)
+        legend = viewer.legend()
+        if legend is None:
+            self._hide("legend")
+        else:
+            scale, colours, note = legend
+            pixels = scale_legend(scale, min(_LEGEND_HEIGHT, height - 100), colours, note)
+            left = width - pixels.shape[1] - _GAP
+            self._put("legend", (scale, note, width, height), lambda: pixels, left, 44, height)
+        words = status_words(viewer)
+        status = _status_pixels(words)
+        top = height - status.shape[0] - _GAP
+        self._put("status", (words, height), lambda: status, _GAP, top, height)
+        facts = viewer.facts()
+        if facts is None:
+            self._hide("facts")
+        else:
+            panel = facts_panel(facts, viewer.curve)
+            place = top - panel.shape[0] - _GAP
+            self._put("facts", (facts.title, facts.lines, viewer.curve, height), lambda: panel, _GAP, place, height)
+        if viewer.help_shown:
+            page = help_panel()
+            left, upper = (width - page.shape[1]) // 2, (height - page.shape[0]) // 2
+            self._put("help", (width, height), lambda: page, left, upper, height)
+        else:
+            self._hide("help")
+
+    def _bar_pixels(self, viewer: Viewer) -> NDArray[np.uint8]:
+        self._bar = toolbar(chosen_commands(viewer))
+        return self._bar.pixels
+
+    def _hide(self, name: str) -> None:
+        self._shown.pop(name, None)
+        self._actors[name].hide()
+
+    def _put(
+        self, name: str, key: Hashable, make: Callable[[], NDArray[np.uint8]], left: int, top: int, height: int
+    ) -> None:
+        if self._shown.get(name) != key:
+            self._shown[name] = key
+            self._actors[name].show(make(), left, top, height)
+
+
+def chosen_commands(viewer: Viewer) -> frozenset[str]:
+    """Commands whose buttons are marked."""
+    look = viewer.look
+    states = {
+        "logarithmic": look.logarithmic,
+        "quantity": look.quantity == "luminance",
+        "coarser lines": look.lines != NO_LINES,
+        "section": look.section is not None,
+        "gamut": look.gamut,
+        "marks": look.marks,
+        "backs": look.backs,
+        "walk": viewer.walking,
+        "compare": viewer.split,
+        "help": viewer.help_shown,
+    }
+    return frozenset({look.mode, *(name for name, on in states.items() if on)})
+
+
+def status_words(viewer: Viewer) -> Words:
+    """What is shown, in words with their ink."""
+    look, subject = viewer.look, viewer.subject
+    words: list[tuple[str, Rgba]] = [(" | ".join(viewer.names), CHOSEN)]
+    if viewer.running:
+        words.append((viewer.running, INK))
+    elif subject.values is None:
+        words.append(("not solved yet: paints", INK))
+    words += [(text, INK) for text in (_exposure_words(viewer), _lines_words(look), _section_words(viewer)) if text]
+    if look.gamut and subject.values is not None:
+        share = float(np.mean(subject.out_of_gamut())) if len(subject.cells) else 0.0
+        words.append((f"magenta: outside sRGB, {100.0 * share:.2g} % of cells", (255, 110, 255, 255)))
+    if look.marks:
+        words += [("sensors", _ink(SKY_BLUE)), ("lamps", _ink(ORANGE)), ("cameras", _ink(PURPLE))]
+    words.append(("on foot" if viewer.walking else "orbit", FAINT))
+    words.append((viewer.message or "h: help", CHOSEN if viewer.message else FAINT))
+    return tuple(words)
+
+
+def _exposure_words(viewer: Viewer) -> str:
+    look, subject = viewer.look, viewer.subject
+    if viewer.legend() is not None:
+        return ""
+    if look.mode == "unshaded":
+        return "unshaded: white is reflectance 1 under D65"
+    if subject.values is None:
+        return ""
+    adapted = ", adapted to the lamps" if "CAT16" in subject.white.words else ""
+    return f"{look.mode}: white is {subject.luminance(look):.4g} cd/m²{adapted}"
+
+
+def _lines_words(look: Look) -> str:
+    if look.lines == NO_LINES:
+        return ""
+    return "lines: elements" if look.lines == 0 else f"lines: blocks of {1 << look.lines} × {1 << look.lines} cells"
+
+
+def _section_words(viewer: Viewer) -> str:
+    section, cells = viewer.look.section, viewer.subject.cells
+    if section is None or not len(cells):
+        return ""
+    low, high = cells.corners[..., section.axis].min(), cells.corners[..., section.axis].max()
+    kept = ">" if section.flipped else "<"
+    return f"section {AXES[section.axis]} {kept} {low + section.share * (high - low):.2f} m"
+
+
+def _status_pixels(words: Words) -> NDArray[np.uint8]:
+    widths = [text_width(text) + 18 for text, _ in words]
+    sheet = Sheet(sum(widths) + 6, LINE + 8)
+    x = 8
+    for (text, ink), width in zip(words, widths, strict=True):
+        sheet.text(x, 4 + LINE / 2, text, ink)
+        x += width
+    return sheet.pixels
+
+
+def _ink(colour: tuple[float, float, float]) -> Rgba:
+    red, green, blue = (round(255.0 * c) for c in colour)
+    return red, green, blue, 255

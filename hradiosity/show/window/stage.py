@@ -1,0 +1,243 @@
+"""What VTK draws: surfaces, marks and images over them, in one or two parts of a window."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.io.drawn_scene import Cells
+from hradiosity.show.window.marks import Lines
+from hradiosity.show.window.navigation import Pose
+from hradiosity.show.window.picking import CutPlane
+from hradiosity.show.window.subject import Paint
+
+if TYPE_CHECKING:
+    import pyvista
+
+Colour = tuple[float, float, float]
+SKY_BLUE: Final[Colour] = (0.337, 0.706, 0.914)
+ORANGE: Final[Colour] = (0.902, 0.624, 0.0)
+PURPLE: Final[Colour] = (0.8, 0.475, 0.655)
+"""Okabe & Ito's colours, which all eyes tell apart: sensors, lamps, cameras."""
+YELLOW: Final[Colour] = (1.0, 0.92, 0.2)
+_BACKS: Final[Colour] = (0.42, 0.44, 0.48)
+_GROUND: Final[Colour] = (0.13, 0.14, 0.16)
+_LIGHT_LINE: Final[Colour] = (0.85, 0.85, 0.85)
+_DARK_LINE: Final[Colour] = (0.25, 0.25, 0.28)
+
+
+class SurfaceActor:
+    """All cells as one actor: colours of cells or corners, outlines, section, and backs.
+
+    Parameters
+    ----------
+    renderer : vtkRenderer
+    cells : Cells
+    """
+
+    def __init__(self, renderer: Any, cells: Cells) -> None:
+        import pyvista
+
+        self._renderer = renderer
+        n = len(cells)
+        count = np.where(cells.is_triangle, 3, 4)
+        faces = np.column_stack([count, np.arange(4 * n).reshape(n, 4)])
+        keep = np.ones((n, 5), np.bool_)
+        keep[cells.is_triangle, 4] = False
+        points = cells.corners.reshape(-1, 3).astype(np.float32)
+        self._mesh = pyvista.PolyData(points, faces=faces[keep]) if n else pyvista.PolyData()
+        self._corner = np.arange(4 * n)
+        self._actor = _surface(self._mesh)
+        self._actor.GetProperty().BackfaceCullingOn()
+        self._behind = _surface(self._mesh)
+        self._behind.GetProperty().FrontfaceCullingOn()
+        self._behind.GetProperty().SetColor(_BACKS)
+        self._behind.GetMapper().ScalarVisibilityOff()
+        self._behind.VisibilityOff()
+        for actor in (self._behind, self._actor):
+            renderer.AddActor(actor)
+
+    def remove(self) -> None:
+        """Take it off the stage."""
+        for actor in (self._behind, self._actor):
+            self._renderer.RemoveActor(actor)
+
+    def paint(self, paint: Paint) -> None:
+        """Show colours."""
+        colours = _array(paint.colours.reshape(-1, 3), "colours")
+        mapper = self._actor.GetMapper()
+        data = self._mesh.GetPointData() if paint.at_corners else self._mesh.GetCellData()
+        data.AddArray(colours)
+        if paint.at_corners:
+            mapper.SetScalarModeToUsePointFieldData()
+        else:
+            mapper.SetScalarModeToUseCellFieldData()
+        mapper.SelectColorArray("colours")
+        mapper.SetColorModeToDirectScalars()
+        mapper.ScalarVisibilityOn()
+        self._mesh.Modified()
+
+    def outline(self, flags: NDArray[np.uint8] | None, *, light: bool) -> None:
+        """Draw the edges (n, 4) that are flagged; None for none."""
+        from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes
+
+        about = self._actor.GetProperty()
+        about.SetEdgeVisibility(flags is not None)
+        if flags is None:
+            return
+        about.SetEdgeColor(_LIGHT_LINE if light else _DARK_LINE)
+        about.SetLineWidth(1.0)
+        data = self._mesh.GetPointData()
+        data.AddArray(_array(flags.ravel(), "outlines"))
+        data.SetActiveAttribute("outlines", vtkDataSetAttributes.EDGEFLAG)
+        self._mesh.Modified()
+
+    def cut(self, plane: CutPlane | None) -> None:
+        """Hide what a section hides."""
+        for actor in (self._actor, self._behind):
+            _cut(actor.GetMapper(), plane)
+
+    def show_backs(self, shown: bool) -> None:
+        """Paint faces that look away in grey, or let one look through them."""
+        self._behind.SetVisibility(shown)
+
+
+class LinesActor:
+    """Lines, or points, of one colour."""
+
+    def __init__(self, renderer: Any, colour: Colour, *, width: float = 1.5, on_top: bool = False) -> None:
+        import pyvista
+
+        self._mesh = pyvista.PolyData()
+        self._actor = _surface(self._mesh)
+        about = self._actor.GetProperty()
+        about.SetColor(colour)
+        about.SetLineWidth(width)
+        about.SetPointSize(4.0 * width)
+        if on_top:
+            mapper = self._actor.GetMapper()
+            mapper.SetResolveCoincidentTopologyToPolygonOffset()
+            mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, -4.0)
+        renderer.AddActor(self._actor)
+
+    def show_lines(self, lines: Lines) -> None:
+        """Show these and no others."""
+        import pyvista
+
+        n = len(lines.start)
+        mesh = pyvista.PolyData()
+        if n:
+            points = np.stack([lines.start, lines.end], axis=1).reshape(-1, 3)
+            mesh = pyvista.PolyData(points, lines=np.column_stack([np.full(n, 2), np.arange(2 * n).reshape(n, 2)]))
+        self._set(mesh)
+
+    def show_points(self, points: NDArray[np.float64], colours: NDArray[np.uint8] | None = None) -> None:
+        """Show these, each in its colour if there are colours (n, 3)."""
+        import pyvista
+
+        mesh = pyvista.PolyData(np.ascontiguousarray(points)) if len(points) else pyvista.PolyData()
+        mapper = self._actor.GetMapper()
+        mapper.SetScalarVisibility(colours is not None and len(points) > 0)
+        if colours is not None and len(points):
+            mesh.GetPointData().SetScalars(_array(colours, "colours"))
+            mapper.SetColorModeToDirectScalars()
+        self._set(mesh)
+
+    def show(self, shown: bool) -> None:
+        """Show it, or not."""
+        self._actor.SetVisibility(shown)
+
+    def cut(self, plane: CutPlane | None) -> None:
+        """Hide what a section hides."""
+        _cut(self._actor.GetMapper(), plane)
+
+    def _set(self, mesh: pyvista.PolyData) -> None:
+        self._mesh = mesh
+        self._actor.GetMapper().SetInputData(mesh)
+
+
+class ImageActor:
+    """An image over the picture, pixel by pixel."""
+
+    def __init__(self, renderer: Any) -> None:
+        from vtkmodules.vtkRenderingCore import vtkPolyDataMapper2D, vtkTexture, vtkTexturedActor2D
+
+        self._mapper, self._texture, self._actor = vtkPolyDataMapper2D(), vtkTexture(), vtkTexturedActor2D()
+        self._texture.InterpolateOff()
+        self._actor.SetMapper(self._mapper)
+        self._actor.SetTexture(self._texture)
+        self._actor.VisibilityOff()
+        renderer.AddViewProp(self._actor)
+
+    def hide(self) -> None:
+        """Show nothing."""
+        self._actor.VisibilityOff()
+
+    def show(self, pixels: NDArray[np.uint8], left: int, top: int, window_height: int) -> None:
+        """Show pixels (h, w, 4) with their upper left corner at a place, in pixels from the window's upper left one."""
+        import pyvista
+
+        height, width = pixels.shape[:2]
+        image = pyvista.ImageData(dimensions=(width, height, 1))
+        image.GetPointData().SetScalars(_array(pixels[::-1].reshape(-1, 4), "pixels"))
+        self._texture.SetInputData(image)
+        low = window_height - top - height
+        points = np.array([[left, low], [left + width, low], [left + width, low + height], [left, low + height]])
+        corners = np.column_stack([points, np.zeros(4)]).astype(np.float64)
+        quad = pyvista.PolyData(corners, faces=np.array([4, 0, 1, 2, 3]))
+        texture = _array(np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32), "texture")
+        quad.GetPointData().SetTCoords(texture)
+        self._mapper.SetInputData(quad)
+        self._actor.VisibilityOn()
+
+
+def place_camera(renderer: Any, pose: Pose, size: float) -> None:
+    """Look from a pose at a scene of a size [m]."""
+    camera = renderer.GetActiveCamera()
+    camera.SetPosition(*pose.position)
+    camera.SetFocalPoint(*pose.focus)
+    camera.SetViewUp(*pose.up)
+    camera.SetViewAngle(float(np.degrees(pose.angle)))
+    renderer.ResetCameraClippingRange()
+    near, far = camera.GetClippingRange()
+    camera.SetClippingRange(max(min(near, 0.01 * size), 2e-4 * size), max(far, size))
+
+
+def new_ground(renderer: Any) -> None:
+    """The colour behind everything."""
+    renderer.SetBackground(*_GROUND)
+    renderer.GradientBackgroundOff()
+
+
+def _surface(mesh: pyvista.PolyData) -> Any:
+    """An actor that shines as it is painted, without lights."""
+    from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
+
+    mapper, actor = vtkPolyDataMapper(), vtkActor()
+    mapper.SetInputData(mesh)
+    mapper.ScalarVisibilityOff()
+    mapper.StaticOff()
+    actor.SetMapper(mapper)
+    actor.GetProperty().LightingOff()
+    return actor
+
+
+def _cut(mapper: Any, plane: CutPlane | None) -> None:
+    from vtkmodules.vtkCommonDataModel import vtkPlane
+
+    mapper.RemoveAllClippingPlanes()
+    if plane is not None:
+        cut = vtkPlane()
+        cut.SetNormal(*(-plane.normal))
+        cut.SetOrigin(*(plane.offset * plane.normal))
+        mapper.AddClippingPlane(cut)
+
+
+def _array(values: NDArray[Any], name: str) -> Any:
+    import pyvista
+
+    array = pyvista.convert_array(np.ascontiguousarray(values), deep=True)
+    array.SetName(name)
+    return array

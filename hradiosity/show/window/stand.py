@@ -1,0 +1,141 @@
+"""One part of the window: the surfaces and marks of one subject, or of a difference."""
+
+from __future__ import annotations
+
+from typing import Any, Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.io.drawn_scene import Cells
+from hradiosity.model.scene import View
+from hradiosity.show.window.look import NO_LINES, Look, Section
+from hradiosity.show.window.marks import CAMERA, Lines, camera_lines, joined, lamp_lines, scene_size, sensor_lines
+from hradiosity.show.window.navigation import Pose
+from hradiosity.show.window.outlines import edge_flags
+from hradiosity.show.window.picking import CutPlane, Picked
+from hradiosity.show.window.stage import (
+    ORANGE,
+    PURPLE,
+    SKY_BLUE,
+    YELLOW,
+    LinesActor,
+    SurfaceActor,
+    new_ground,
+    place_camera,
+)
+from hradiosity.show.window.subject import Paint, Subject
+
+_LIGHT_LINES: Final = ("wireframe",)
+"""Modes whose outlines are light: pictures have them so."""
+
+
+class Stand:
+    """Surfaces and marks of one subject in one renderer.
+
+    Parameters
+    ----------
+    renderer : vtkRenderer
+    subject : Subject
+    """
+
+    def __init__(self, renderer: Any, subject: Subject) -> None:
+        self._renderer = renderer
+        new_ground(renderer)
+        self.subject = subject
+        self._surface = SurfaceActor(renderer, subject.cells)
+        self._sensors = LinesActor(renderer, SKY_BLUE)
+        self._points = LinesActor(renderer, SKY_BLUE, width=1.6)
+        self._lamps = LinesActor(renderer, ORANGE, width=2.0)
+        self._cameras = LinesActor(renderer, PURPLE)
+        self._chosen = LinesActor(renderer, YELLOW, width=2.5, on_top=True)
+        self._seen_views: tuple[View, ...] | None = None
+        self._place_marks()
+
+    def take_subject(self, subject: Subject) -> None:
+        """Show another mesh: what was drawn goes."""
+        self._surface.remove()
+        self.subject = subject
+        self._surface = SurfaceActor(self._renderer, subject.cells)
+        self._place_marks()
+
+    @property
+    def renderer(self) -> Any:
+        """The vtkRenderer."""
+        return self._renderer
+
+    def show(self, look: Look, paint: Paint | None = None) -> None:
+        """Show it as a look says, in the subject's own colours or in others."""
+        self._surface.paint(self.subject.paint(look) if paint is None else paint)
+        level = max(look.lines, 0)
+        lined = look.lines != NO_LINES or look.mode == "wireframe"
+        flags = edge_flags(self.subject.cells, level) if lined else None
+        self._surface.outline(flags, light=look.mode in _LIGHT_LINES or self.subject.values is not None)
+        self._surface.show_backs(look.backs)
+        plane = cut_plane(self.subject.cells, look.section)
+        self._surface.cut(plane)
+        for actor in (self._sensors, self._points, self._lamps, self._cameras, self._chosen):
+            actor.cut(plane)
+        for actor in (self._sensors, self._points, self._lamps, self._cameras):
+            actor.show(look.marks)
+        self._colour_sensors(look)
+
+    def mark(self, picked: Picked | None) -> None:
+        """Draw around what was picked."""
+        if picked is None:
+            self._chosen.show_lines(joined())
+        elif picked.kind == "sensor":
+            size = 0.012 * scene_size(self.subject.cells)
+            at = picked.point
+            self._chosen.show_lines(joined(*(Lines(at - [size * axis], at + [size * axis]) for axis in np.eye(3))))
+        else:
+            self._chosen.show_lines(element_outline(self.subject.cells, picked.number))
+
+    def look_from(self, pose: Pose) -> None:
+        """Move the camera; the mark of a camera that one looks through would be in the way."""
+        views, size = self.subject.drawn.views, scene_size(self.subject.cells)
+        away = tuple(v for v in views if np.linalg.norm(v.position - pose.position) > 2.0 * CAMERA * size)
+        if away != self._seen_views:
+            self._seen_views = away
+            self._cameras.show_lines(camera_lines(away, size))
+        place_camera(self._renderer, pose, size)
+
+    def _place_marks(self) -> None:
+        drawn = self.subject.drawn
+        size = scene_size(drawn.cells)
+        self._sensors.show_lines(sensor_lines(drawn, size))
+        self._points.show_points(drawn.sensors.position)
+        self._lamps.show_lines(lamp_lines(drawn, size))
+        self._seen_views = None
+        self._chosen.show_lines(joined())
+
+    def _colour_sensors(self, look: Look) -> None:
+        """By their own illuminance where false colours stand for that."""
+        sensors = self.subject.drawn.sensors
+        told = sensors.numbers.get("illuminance_lx")
+        if told is None or look.mode != "false-color" or look.quantity != "illuminance" or not len(sensors):
+            self._points.show_points(sensors.position)
+            return
+        self._points.show_points(sensors.position, self.subject.colours_on_scale(told, look))
+
+
+def cut_plane(cells: Cells, section: Section | None) -> CutPlane | None:
+    """The plane of a section through all cells."""
+    if section is None or not len(cells):
+        return None
+    low, high = cells.corners[..., section.axis].min(), cells.corners[..., section.axis].max()
+    place = float(low + section.share * (high - low))
+    normal = np.eye(3)[section.axis]
+    return CutPlane(-normal, -place) if section.flipped else CutPlane(normal, place)
+
+
+def element_outline(cells: Cells, cell: int) -> Lines:
+    """Outlines of all cells of the element that a cell is part of, lifted a little towards who looks."""
+    those = np.flatnonzero(cells.element == cells.element[cell])
+    flags = edge_flags(cells, 0)[those].astype(np.bool_)
+    lift = 5e-4 * scene_size(cells) * cells.normal[those][:, None, :]
+    corners: NDArray[np.float64] = cells.corners[those] + lift
+    following = np.roll(corners, -1, axis=1)
+    triangle = cells.is_triangle[those]
+    following[triangle, 2] = corners[triangle, 0]
+    return Lines(corners[flags], following[flags])
