@@ -124,6 +124,25 @@ def test_hard_shadow_needs_far_fewer_leaves_than_uniform_cutting(device):
     assert few < 1.6 * about_as_few and adaptive < 0.2 * coarse
 
 
+@pytest.mark.parametrize(("point", "exact"), [(False, exact_soft), (True, exact_hard)], ids=["soft", "hard"])
+def test_leaves_follow_the_error_that_is_asked_for(device, point, exact):
+    """The map is as good as asked for, with a third to a fifth of the leaves that uniform cutting takes."""
+    scene, points = card_scene(point=point), grid_points()
+    mean = exact(points).mean()
+
+    def rms(**options):
+        elements, shadow = refined(device, scene, reference=mean, **options)
+        error = interpolated(scene, elements, shadow, points) - exact(points)
+        return np.sqrt((error**2).mean()) / mean, int(shadow.leaves.is_leaf.sum())
+
+    wanted, level, fewer = (0.05, 4, 5) if point else (0.006, 3, 3)
+    error, few = rms(base_level=0, max_level=7, error=wanted)
+    uniform, many = rms(base_level=level, max_level=level, light_samples=256)
+    print(f"adaptive {error:.5f} with {few}, uniform {uniform:.5f} with {many}")
+    assert error < 1.3 * wanted
+    assert error < uniform and fewer * few < many
+
+
 def test_soft_shadow_is_the_closed_form(device):
     """Sampling noise of 1024 rays and interpolation in leaves of 16 mm together."""
     error, _ = error_of(
@@ -175,7 +194,8 @@ def test_vertices_inside_solids_are_covered(device):
 
 
 @pytest.mark.parametrize(
-    "wrong", [{"tolerance": 0.0}, {"contrast": -1.0}, {"base_level": 3, "max_level": 2}, {"light_samples": 0}]
+    "wrong",
+    [{"tolerance": 0.0}, {"contrast": -1.0}, {"base_level": 3, "max_level": 2}, {"light_samples": 0}, {"error": 0.0}],
 )
 def test_options_are_checked(wrong):
     with pytest.raises(ValueError):
