@@ -1,14 +1,12 @@
 """Lights that several tests look at."""
 
-import json
-from pathlib import Path
-
 import numpy as np
 
 from hradiosity.model import photometry
 from hradiosity.model.spectrum import Bands, band_integral
+from hradiosity.suites.validation.data import colour_values
 
-EXPECTED = json.loads((Path(__file__).parents[1] / "data" / "colour.json").read_text())
+EXPECTED = colour_values()
 TOLERANCE = EXPECTED["tolerances"]
 USUAL = Bands.uniform()
 FINE = Bands.uniform(361, 829, 2)

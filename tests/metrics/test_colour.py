@@ -1,6 +1,3 @@
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -10,8 +7,9 @@ from hradiosity.metrics.upsampling import upsample_rgb
 from hradiosity.metrics.weights import band_weights
 from hradiosity.model import photometry
 from hradiosity.model.spectrum import Bands, Spectrum, band_integral
+from hradiosity.suites.validation.data import colour_values
 
-EXPECTED = json.loads((Path(__file__).parents[1] / "data" / "colour.json").read_text())
+EXPECTED = colour_values()
 TOLERANCE = EXPECTED["tolerances"]
 FINE, USUAL = Bands.uniform(361, 829, 2), Bands.uniform()
 

@@ -1,13 +1,11 @@
-import json
-from pathlib import Path
-
 import numpy as np
 import pytest
 
 from hradiosity.constants import MAXIMUM_LUMINOUS_EFFICACY
 from hradiosity.model import photometry
+from hradiosity.suites.validation.data import colour_values
 
-EXPECTED = json.loads((Path(__file__).parents[1] / "data" / "colour.json").read_text())
+EXPECTED = colour_values()
 
 
 def test_luminous_efficiency_peaks_at_one_at_555_nm():

@@ -32,3 +32,9 @@ def box_rooms() -> dict[str, dict[str, Any]]:
 def closed_forms() -> dict[str, dict[str, Any]]:
     """Whole scenes with closed-form solutions, by name."""
     return {case["id"]: case for case in _load("scenes.json")["closed_form"]}
+
+
+def colour_values() -> dict[str, Any]:
+    """What other programs say of the colour of illuminants and analytic spectra, and of what they do to the eye."""
+    found: dict[str, Any] = _load("colour.json")
+    return found
