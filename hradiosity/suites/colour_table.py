@@ -1,7 +1,7 @@
 """Numbers of colour and the eye beside those of other programs, and how long many spectra take.
 
-``python -m hradiosity.suites.colour_table``; other bands by ``--first 380 --last 780 --step 1``. The values are in ``data/colour.json``,
-with the tolerances that bars are made of. Where a value is outside, the line says so.
+``python -m hradiosity.suites.colour_table``; other bands by ``--first 380 --last 780 --step 1``. The values are
+in ``data/colour.json``, with the tolerances that bars are made of. Where a value is outside, the line says so.
 """
 
 from __future__ import annotations
