@@ -125,8 +125,7 @@ def _of_run(request: Request, out: Path) -> Request:
         ask_for_light(partial)
         found = reader.read()
         if found is not None:
-            drawn, light, _ = found
-            return replace(request, follow=out, drawn=replace(drawn, light=light))
+            return replace(request, follow=out, drawn=found.drawn)
         time.sleep(0.2)
     if not partial.is_dir():
         return replace(request, paths=(out,))

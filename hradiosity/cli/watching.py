@@ -49,7 +49,7 @@ class LiveLight:
     def _write(self, glimpse: Glimpse, words: str) -> None:
         if is_watched(self._partial):
             light = light_of(glimpse.surfaces(), glimpse.replicates + 1)
-            self._writer.write(glimpse.scene, glimpse.elements, light, words)
+            self._writer.write(glimpse.scene, glimpse.elements, light, words, settled=glimpse.replicates > 0)
 
     def update(self) -> None:
         """Write the mean over the replicates, if that is due."""
@@ -61,7 +61,8 @@ class LiveLight:
             solution = self._solver.solution()
             count = solution.replicates
             words = f"{count} replicate{'s' if count > 1 else ''} done"
-            self._writer.write(solution.scene, solution.elements, light_of(solution.surfaces, count), words)
+            light = light_of(solution.surfaces, count)
+            self._writer.write(solution.scene, solution.elements, light, words, settled=True)
 
 
 def light_of(surfaces: Surfaces, replicates: int) -> Light:

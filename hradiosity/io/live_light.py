@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import io
 import time
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
 
@@ -88,13 +89,15 @@ class LiveWriter:
         self._mesh = 0
         self._light = 0
 
-    def write(self, scene: Scene, elements: Elements, light: Light, words: str) -> None:
+    def write(self, scene: Scene, elements: Elements, light: Light, words: str, *, settled: bool) -> None:
         """Write the light, and the mesh before it if it is another one.
 
         Parameters
         ----------
         words : str
             Where the run stands.
+        settled : bool
+            Whether at least one replicate is done, so that the light won't grow much.
 
         Raises
         ------
@@ -112,7 +115,7 @@ class LiveWriter:
         memory = io.BytesIO()
         with h5py.File(memory, "w") as file:
             file.attrs["mesh"], file.attrs["number"], file.attrs["words"] = self._mesh, self._light, words
-            file.attrs["replicates"] = light.replicates
+            file.attrs["replicates"], file.attrs["settled"] = light.replicates, settled
             file["irradiance"] = light.irradiance.astype(np.float32)
             file["exposed"], file["space"] = light.exposed, light.space
         write_file(folder / _LIGHT, memory.getvalue())
@@ -132,6 +135,15 @@ def _mesh_file(scene: Scene, elements: Elements, number: int) -> bytes:
     return memory.getvalue()
 
 
+@dataclass(frozen=True)
+class Seen:
+    """Light of a run: drawn with it; where the run stands, in words; whether a replicate is done."""
+
+    drawn: Drawn
+    words: str
+    settled: bool
+
+
 class LiveReader:
     """Follows the light of a run.
 
@@ -144,10 +156,9 @@ class LiveReader:
         self._folder = partial / LIVE_FOLDER
         self._drawn: Drawn | None = None
         self._mesh = self._number = 0
-        self.mesh_changed = False
 
-    def read(self) -> tuple[Drawn, Light, str] | None:
-        """The newest mesh, light and words; None where nothing is new.
+    def read(self) -> Seen | None:
+        """The newest light; None where nothing is new.
 
         Half-written files do not exist, but mesh and light may be of two meshes for a moment: then nothing is new.
         """
@@ -164,16 +175,15 @@ class LiveReader:
                     np.asarray(file["space"][()], np.int32),
                     int(file.attrs["replicates"]),
                 )
-                words = str(file.attrs["words"])
-            self.mesh_changed = mesh != self._mesh
-            if self.mesh_changed:
+                words, settled = str(file.attrs["words"]), bool(file.attrs["settled"])
+            if mesh != self._mesh:
                 self._drawn = self._read_mesh(mesh)
         except (OSError, KeyError):
             return None
         if self._drawn is None or not _fits(light.irradiance, self._drawn):
             return None
         self._mesh, self._number = mesh, number
-        return self._drawn, light, words
+        return Seen(replace(self._drawn, light=light), words, settled)
 
     def _read_mesh(self, number: int) -> Drawn | None:
         import h5py

@@ -62,7 +62,7 @@ class Scale:
             step = round_up((self.high - self.low) / 8.0)
             candidates = step * np.arange(np.floor(self.low / step), np.ceil(self.high / step) + 1)
         inside = (self.share(candidates) > -1e-9) & (self.share(candidates) < 1.0 + 1e-9)
-        ticks: NDArray[np.float64] = candidates[inside & (candidates >= self.low * (1.0 - 1e-9))]
+        ticks: NDArray[np.float64] = candidates[inside & (candidates >= self.low - 1e-9 * abs(self.low))]
         return ticks
 
 

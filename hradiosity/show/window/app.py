@@ -103,7 +103,7 @@ def _run(viewer: Viewer, request: Request) -> None:
 
 
 def load_subjects(request: Request) -> list[Subject]:
-    """What the paths name: a scene, a result, or two results of one mesh.
+    """What the paths name; a difference is of two results of one mesh.
 
     Raises
     ------
@@ -111,7 +111,7 @@ def load_subjects(request: Request) -> list[Subject]:
         When one of them is neither, is damaged, or two do not fit together.
     """
     drawn = [load_drawn(path) for path in request.paths] if request.drawn is None else [request.drawn]
-    if len(drawn) == 2:
+    if request.look.compare == "difference":
         check_same_mesh(drawn[0], drawn[1], (str(request.paths[0]), str(request.paths[1])))
     first = Subject(drawn[0], request.choices)
     return [first, *(Subject(other, request.choices, like=first) for other in drawn[1:])]

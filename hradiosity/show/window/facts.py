@@ -38,6 +38,7 @@ class Curve:
     lower, upper : (n_bands,) edges of the bands [nm]
     value : (n_bands,)
     half_width : (n_bands,) of the 95 % interval, None where none is known
+    other : (n_bands,) the same in a second result, None without one
     """
 
     name: str
@@ -46,6 +47,7 @@ class Curve:
     upper: NDArray[np.float64]
     value: NDArray[np.float64]
     half_width: NDArray[np.float64] | None = None
+    other: NDArray[np.float64] | None = None
 
 
 @dataclass(frozen=True)
@@ -65,18 +67,21 @@ def facts_of(drawn: Drawn, light: Light | None, picked: Picked) -> Facts:
 
 
 def joined_facts(first: Facts, second: Facts) -> Facts:
-    """Of one place in two results: values that differ as "first → second", curves of the second after the first."""
+    """Of one place in two results: values that differ as "first → second", curves together."""
     other = dict(second.lines)
-    lines = [
-        (label, value if other.get(label, value) == value else f"{value} → {other[label]}")
-        for label, value in first.lines
-    ]
-    curves = [
-        replace(curve, name=f"{curve.name}, {which}")
-        for pair in zip(first.curves, second.curves)
-        for curve, which in zip(pair, ("first", "second"), strict=True)
-    ]
+    lines = [(label, _changed(value, other.get(label, "–"))) for label, value in first.lines if label != "point"]
+    pairs = zip(first.curves, second.curves)
+    curves = [replace(a, other=b.value) if len(a.value) == len(b.value) else a for a, b in pairs]
     return Facts(first.title, tuple(lines), tuple(curves))
+
+
+def _changed(first: str, second: str) -> str:
+    """The value, or both where they differ; a unit that they share is told once."""
+    if first == second:
+        return first
+    number, _, unit = first.rpartition(" ")
+    shared = number and second.endswith(f" {unit}") and not unit[0].isdigit()
+    return f"{number} → {second}" if shared else f"{first} → {second}"
 
 
 def _cell_facts(drawn: Drawn, light: Light | None, cell: int, point: NDArray[np.float64]) -> Facts:
@@ -102,9 +107,9 @@ def _cell_facts(drawn: Drawn, light: Light | None, cell: int, point: NDArray[np.
     those = cells.element == element
     level = int(element_levels(cells)[cell])
     nu, nv = (int(n) for n in cells.grid[cell])
-    kind = "a group of faces" if len(np.unique(cells.patch[those])) > 1 else f"level {level}"
+    kind = "a group of faces" if len(np.unique(cells.patch[those])) > 1 else str(level)
     lines += [
-        ("element", f"{element}, {kind}; patch {cells.patch[cell]} is cut {nu} × {nv}"),
+        ("level", f"{kind}; patch {cells.patch[cell]} is cut {nu} × {nv}"),
         ("area", f"{cells.area[those].sum():.4g} m²"),
     ]
     arrives = np.asarray(light.irradiance[element], np.float64)

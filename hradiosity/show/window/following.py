@@ -35,7 +35,7 @@ class Follower:
             ask_for_light(self._partial)
             found = self._reader.read()
             if found is not None:
-                viewer.take_light(*found)
+                viewer.take_light(found)
         elif _stamp(self._out) not in (None, self._before):
             self._done = True
             self._take_result(viewer)

@@ -106,16 +106,18 @@ def chosen_commands(viewer: Viewer) -> frozenset[str]:
         "marks": look.marks,
         "backs": look.backs,
         "walk": viewer.walking,
-        "compare": viewer.split,
+        "compare": viewer.shows_difference,
         "help": viewer.help_shown,
     }
-    return frozenset({look.mode, *(name for name, on in states.items() if on)})
+    mode = set() if viewer.shows_difference else {look.mode}
+    return frozenset({*mode, *(name for name, on in states.items() if on)})
 
 
 def status_words(viewer: Viewer) -> Words:
     """What is shown, in words with their ink."""
     look, subject = viewer.look, viewer.subject
-    words: list[tuple[str, Rgba]] = [(" | ".join(viewer.names), CHOSEN)]
+    names = f"{viewer.names[-1]} − {viewer.names[0]}" if viewer.shows_difference else " | ".join(viewer.names)
+    words: list[tuple[str, Rgba]] = [(names, CHOSEN)]
     if viewer.running:
         words.append((viewer.running, INK))
     elif subject.values is None:

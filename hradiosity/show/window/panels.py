@@ -65,7 +65,7 @@ def scale_legend(
     note : str
         A line below.
     """
-    ticks = [f"{value:g}" for value in scale.ticks()]
+    ticks = [f"{value:g}".replace("-", "−") for value in scale.ticks()]
     words = [scale.quantity, f"[{scale.unit}]", note]
     width = max(52 + max((text_width(tick) for tick in ticks), default=0), 20 + max(text_width(w) for w in words))
     sheet = Sheet(width, height)

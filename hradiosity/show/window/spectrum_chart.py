@@ -14,7 +14,8 @@ from hradiosity.show.window.lettering import FAINT, INK, Rgba, Sheet, text_width
 FINER: Final = 3
 """Lines are drawn so many times larger and made smaller, which smooths them."""
 _BAND: Final[Rgba] = (222, 200, 90, 95)
-_CURVE: Final[Rgba] = (245, 225, 130, 255)
+CURVE: Final[Rgba] = (245, 225, 130, 255)
+OTHER: Final[Rgba] = (110, 190, 240, 255)
 _AXIS: Final[Rgba] = (110, 114, 122, 255)
 _LEFT, _TOP, _RIGHT, _BOTTOM = 58, 24, 12, 34
 
@@ -37,18 +38,30 @@ def chart(curve: Curve, width: int, height: int) -> NDArray[np.uint8]:
         sheet.draw.line([(x, height - _BOTTOM), (x, height - _BOTTOM + 4)], fill=_AXIS)
         sheet.text(x, height - _BOTTOM + 12, f"{wavelength:.0f}", FAINT, anchor="mm", size=11)
     sheet.text(width - _RIGHT, height - 9, "wavelength [nm]", FAINT, anchor="rm", size=11)
-    if curve.half_width is not None:
-        words = "± 95 % interval"
-        left = width - _RIGHT - text_width(words, 11) - 18
-        sheet.draw.rectangle([left, 5, left + 12, 15], fill=_BAND)
-        sheet.text(width - _RIGHT, 10, words, FAINT, anchor="rm", size=11)
+    _key(sheet, curve)
     return sheet.pixels
+
+
+def _key(sheet: Sheet, curve: Curve) -> None:
+    """What the interval and a second curve are, from the right."""
+    marks: list[tuple[str, Rgba]] = []
+    if curve.half_width is not None:
+        marks.append(("± 95 % interval", _BAND))
+    if curve.other is not None:
+        marks += [("second", OTHER), ("first", CURVE)]
+    right = sheet.pixels.shape[1] - _RIGHT
+    for words, ink in marks:
+        sheet.text(right, 10, words, FAINT, anchor="rm", size=11)
+        right -= text_width(words, 11) + 18
+        sheet.draw.rectangle([right, 5, right + 12, 15], fill=ink)
+        right -= 8
 
 
 def top_of(curve: Curve) -> float:
     """Highest number of the axis."""
     half = 0.0 if curve.half_width is None else curve.half_width
-    highest = float(np.max(curve.value + half, initial=0.0))
+    other = curve.value if curve.other is None else curve.other
+    highest = float(np.max([curve.value + half, other], initial=0.0))
     if curve.unit == "1":
         return 1.0
     return round_up(highest, (1.0, 1.2, 1.6, 2.0, 2.4, 3.2, 4.0, 5.0, 6.0, 8.0, 10.0)) if highest > 0.0 else 1.0
@@ -75,5 +88,7 @@ def _curve_pixels(curve: Curve, top: float, inner: tuple[int, int]) -> NDArray[n
         high, low = heights(curve.value + curve.half_width), heights(curve.value - curve.half_width)
         outline = [*zip(x, high, strict=True), *zip(x[::-1], low[::-1], strict=True)]
         draw.polygon(outline, fill=_BAND)
-    draw.line([*zip(x, heights(curve.value), strict=True)], fill=_CURVE, width=2 * FINER - 1)
+    for value, ink in ((curve.other, OTHER), (curve.value, CURVE)):
+        if value is not None:
+            draw.line([*zip(x, heights(value), strict=True)], fill=ink, width=2 * FINER - 1)
     return np.asarray(image.resize(inner, Image.Resampling.BOX))

@@ -11,12 +11,13 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.errors import OutputError
-from hradiosity.io.drawn_scene import Drawn, Light
+from hradiosity.errors import OutputError, SceneError
+from hradiosity.io.drawn_scene import Drawn
+from hradiosity.io.live_light import Seen
 from hradiosity.model.scene import View
 from hradiosity.show.files import png_bytes, write_bytes
 from hradiosity.show.scale_bar import Scale
-from hradiosity.show.window.difference import difference, difference_bytes, difference_scale
+from hradiosity.show.window.difference import check_same_mesh, difference, difference_bytes, difference_scale
 from hradiosity.show.window.facts import Facts, facts_of, joined_facts
 from hradiosity.show.window.look import MODES, NO_LINES, Look, Section
 from hradiosity.show.window.marks import scene_size
@@ -68,13 +69,14 @@ class Viewer:
         self.plotter = _plotter(len(subjects), size, off_screen)
         self.stands = [Stand(r, s) for r, s in zip(self.plotter.renderers, subjects)]
         self.overlays = Overlays(self.plotter.ren_win)
-        self.picked: Picked | None = None
+        self._picked: list[Picked | None] = []
         self.curve = 0
         self.walking = False
         self.help_shown = False
         self.running = ""
         self.message = ""
         self.closed = False
+        self._settled = False
         self._next_view = 0
         self._commands = self._make_commands()
         self.pose = self._first_pose(view)
@@ -111,7 +113,7 @@ class Viewer:
     def refresh(self) -> None:
         """Colours, marks and legends anew, and draw."""
         self._arrange()
-        if self._shows_difference:
+        if self.shows_difference:
             self.stands[0].show(self.look, self._difference_paint()[0])
         else:
             for stand in self.stands:
@@ -167,16 +169,22 @@ class Viewer:
             self.command(button.command)
             return
         width, height = self.part_size
-        part = int(self.split and x >= width)
-        subject = self.stands[part].subject
-        drawn = subject.drawn
-        sensors = drawn.sensors.position if self.look.marks else np.zeros((0, 3))
-        plane = cut_plane(drawn.cells, self.look.section)
-        self.picked = pick(drawn.cells, sensors, self.pose, (x - part * width, y), (width, height), plane)
+        place = x - width if self.split and x >= width else x, y
+        self._picked = [self._pick(stand, place, (width, height)) for stand in self.stands]
         self.curve = 0
-        for stand in self.stands:
-            stand.mark(self.picked)
+        for stand, picked in zip(self.stands, self._picked, strict=True):
+            stand.mark(picked)
         self.redraw()
+
+    def _pick(self, stand: Stand, place: tuple[float, float], size: tuple[int, int]) -> Picked | None:
+        drawn = stand.subject.drawn
+        sensors = drawn.sensors.position if self.look.marks else np.zeros((0, 3))
+        return pick(drawn.cells, sensors, self.pose, place, size, cut_plane(drawn.cells, self.look.section))
+
+    @property
+    def picked(self) -> Picked | None:
+        """In the first subject that shows something there."""
+        return next((picked for picked in self._picked if picked is not None), None)
 
     def drag(self, dx: float, dy: float, *, move: bool) -> None:
         """Turn or move by pixels to the right and upwards."""
@@ -201,35 +209,39 @@ class Viewer:
 
     def facts(self) -> Facts | None:
         """About what was picked; of both results where two are shown."""
-        picked = self.picked
-        if picked is None:
+        pairs = [
+            (stand.subject.drawn, picked) for stand, picked in zip(self.stands, self._picked) if picked is not None
+        ]
+        found = [facts_of(drawn, drawn.light, picked) for drawn, picked in pairs]
+        if not found:
             return None
-        found = [facts_of(s.subject.drawn, s.subject.drawn.light, picked) for s in self.stands]
         return found[0] if len(found) == 1 else joined_facts(found[0], found[1])
 
-    def take_light(self, drawn: Drawn, light: Light, words: str) -> None:
-        """Show newer light of a run that is followed; a new mesh takes the place of the old one."""
+    def take_light(self, seen: Seen) -> None:
+        """Show newer light of a run that is followed; a new mesh takes the place of the old one.
+
+        The exposure is chosen with the first light, and once more when a replicate is done; then it stays.
+        """
         stand, keep = self.stands[0], self.subject.drawn
-        if stand.subject.cells is not drawn.cells:
-            views, sensors = drawn.views or keep.views, keep.sensors
-            stand.take_subject(
-                Subject(replace(drawn, light=light, views=views, sensors=sensors), stand.subject.choices)
-            )
-            self.picked = None
-        else:
-            stand.subject.take_light(light)
-        self.running = words
+        if stand.subject.cells is not seen.drawn.cells or (seen.settled and not self._settled):
+            drawn = replace(seen.drawn, views=seen.drawn.views or keep.views, sensors=keep.sensors)
+            stand.take_subject(Subject(drawn, stand.subject.choices))
+            self._picked = []
+        elif seen.drawn.light is not None:
+            stand.subject.take_light(seen.drawn.light)
+        self._settled = seen.settled
+        self.running = seen.words
         self.refresh()
 
     def take_result(self, drawn: Drawn, words: str) -> None:
         """Show the result that a followed run ended with."""
         self.stands[0].take_subject(Subject(drawn, self.subject.choices))
-        self.picked, self.running = None, words
+        self._picked, self.running = [], words
         self.refresh()
 
     def legend(self) -> tuple[Scale, NDArray[np.float64] | None, str] | None:
         """Scale, colours other than the pictures', and a note, where colours stand for numbers."""
-        if self._shows_difference:
+        if self.shows_difference:
             from hradiosity.show.window.difference import difference_colours
 
             return self._difference_paint()[1], difference_colours(), "second − first"
@@ -238,7 +250,8 @@ class Viewer:
         return None
 
     @property
-    def _shows_difference(self) -> bool:
+    def shows_difference(self) -> bool:
+        """Whether the difference of two results is shown."""
         return len(self.stands) == 2 and self.look.compare == "difference"
 
     def _difference_paint(self) -> tuple[Paint, Scale]:
@@ -394,7 +407,16 @@ class Viewer:
         if len(self.stands) < 2:
             self.message = "a second result is needed: hradiosity view FIRST SECOND"
             return
-        self._change(compare="difference" if self.look.compare == "side by side" else "side by side")
+        if self.look.compare == "difference":
+            self._change(compare="side by side")
+            return
+        first, second = (stand.subject.drawn for stand in self.stands)
+        try:
+            check_same_mesh(first, second, (self.names[0], self.names[1]))
+        except SceneError as error:
+            self.message = str(error)
+        else:
+            self._change(compare="difference")
 
     def _switch_help(self) -> None:
         self.help_shown = not self.help_shown
@@ -403,7 +425,7 @@ class Viewer:
         if self.help_shown:
             self.help_shown = False
         elif self.picked is not None:
-            self.picked = None
+            self._picked = []
             for stand in self.stands:
                 stand.mark(None)
         else:
