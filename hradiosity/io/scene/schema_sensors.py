@@ -1,16 +1,28 @@
 """Tables of the scene format for those who look: sensors and views."""
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Final, Literal
 
-from pydantic import ConfigDict, Field, model_validator
+from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one, one_of
+from hradiosity.io.scene.schema_base import LARGEST, Count, Name, Number, Positive, Table, Vector, exactly_one, one_of
 from hradiosity.io.scene.schema_surfaces import BoxFace
 
 _NAME = "name, as it appears in readings.csv"
 HalfAxis = Annotated[Positive, Field(le=180)]
 Pixel = Annotated[Number, Field(ge=0)]
+
+
+def _spacing(value: Any) -> Any:
+    """Refuse in one sentence what is neither a length nor the name of the standard."""
+    is_length = isinstance(value, int | float) and not isinstance(value, bool) and 0 < value <= LARGEST
+    if value != EN_12464_1 and not is_length:
+        raise PydanticCustomError("spacing", 'a length above 0, or "EN 12464-1", is needed')
+    return value
+
+
+EN_12464_1: Final = "EN 12464-1"
+GridSpacing = Annotated[Literal["EN 12464-1"] | Positive, BeforeValidator(_spacing)]
 
 
 class Curved(Table):
@@ -73,7 +85,7 @@ class GridSensor(Curved):
     edge_u: Vector = Field(description="edge along which the index runs first [scene unit]")
     edge_v: Vector = Field(description="the other edge [scene unit]")
     counts: tuple[Count, Count] | None = Field(None, description="cells along edge_u and edge_v")
-    spacing: Literal["EN 12464-1"] | Positive | None = Field(
+    spacing: GridSpacing | None = Field(
         None,
         description="largest distance of neighbouring points [scene unit], or EN 12464-1, which makes it from the size "
         "of the area",
