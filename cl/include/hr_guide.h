@@ -5,10 +5,13 @@
 #include "include/hr_types.h"
 
 /* The unit square whose points stand for directions is halved so many times along each edge. Values as in
-   hradiosity/readings/guide.py. */
+   hradiosity/readings/guide.py; images set fewer levels (hradiosity/show/image_guide.py). */
+#ifndef HR_GUIDE_LEVELS
 #define HR_GUIDE_LEVELS 5u
-#define HR_GUIDE_SIDE 32u
-#define HR_GUIDE_ENTRIES 1364u /* 4 + 16 + ... + 32 * 32 */
+#endif
+#define HR_GUIDE_SIDE (1u << HR_GUIDE_LEVELS)
+/* 4 + 16 + ... + side * side */
+#define HR_GUIDE_ENTRIES ((HR_GUIDE_SIDE * HR_GUIDE_SIDE - 1u) / 3u * 4u)
 
 /* Warps an even point of the unit square to one with the table's density, quarter by quarter, so that well spread
    points stay well spread (Clarberg, Jarosz, Akenine-Moeller & Jensen 2005, "Wavelet importance sampling").

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.auditing import audit_lines, missed_accuracy_lines
@@ -16,6 +16,7 @@ from hradiosity.cli.sensing import NOT_COVERED
 from hradiosity.cli.text import (
     account_line,
     glare_lines,
+    image_lines,
     maintained_lines,
     note_lines,
     outside_lines,
@@ -34,6 +35,9 @@ from hradiosity.model.variants import MAINTAINED
 from hradiosity.radiosity import RadiositySolver
 from hradiosity.readings.glare import glare_of
 from hradiosity.solution import Solution
+
+if TYPE_CHECKING:
+    from hradiosity.show.pictures import PictureOptions, PictureSet
 
 GLARE_TITLE = "Glare of observers: UGR (CIE 117) with half widths; glare_sources.csv has the luminaires that count"
 MAINTAINED_TITLE = (
@@ -92,16 +96,40 @@ def _draw(run: Run, solver: RadiositySolver, solution: Solution) -> bool:
         scale_range=wanted.false_color_range,
     )
     run.display.stage("drawing pictures")
+    folder, interrupted = run.partial / "pictures", False
     try:
         with let_through():
-            drawn = write_pictures(solution, run.partial / "pictures", run.device, options, on_device=solver.on_device)
+            if run.request.images:
+                drawn, interrupted = _gather(run, solver, solution, options)
+            else:
+                drawn = write_pictures(solution, folder, run.device, options, on_device=solver.on_device)
     except KeyboardInterrupt:
         return True
     (run.partial / PREVIEW).unlink(missing_ok=True)
     run.seconds["pictures"] = time.perf_counter() - start
     run.more["pictures"] = drawn.record
     run.closing.append(("", note_lines(drawn.notes)))
-    return False
+    return interrupted
+
+
+def _gather(run: Run, solver: RadiositySolver, solution: Solution, options: PictureOptions) -> tuple[PictureSet, bool]:
+    """Compute the images; returns whether that was interrupted too."""
+    from hradiosity.show.image_pictures import ImageOptions, write_images
+
+    wanted = run.request.outputs
+    given = {} if wanted.image_samples is None else {"samples": wanted.image_samples}
+    cpu = time.process_time()
+    drawn, interrupted = write_images(
+        solution,
+        run.partial / "pictures",
+        run.device,
+        options,
+        ImageOptions(size=wanted.image_size, spectra=wanted.image_spectra, **given),
+        on_device=solver.on_device,
+        progress=run.display.stage,
+    )
+    run.closing.append(("Images", image_lines(drawn.record, time.process_time() - cpu)))
+    return drawn, interrupted
 
 
 def _stage_seconds(run: Run, solution: Solution) -> dict[str, float]:

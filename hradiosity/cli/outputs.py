@@ -36,6 +36,12 @@ class Outputs:
     false_color_range
         Lowest and highest number of the false colours, in lx or cd/m²; from the pictures if left out, logarithmic
         ones then over three decades at most.
+    image_samples
+        Points in each pixel of an image (--quality image); noise halves with four times as many.
+    image_size
+        Width and height of images, in place of those of the views.
+    image_spectra
+        Write the spectrum of every pixel of an image, as spectral OpenEXR.
     sensitivity
         Write sensitivity.csv: what reflectances, lamps and the sky change, which intervals do not cover.
     interval_parts
@@ -55,19 +61,48 @@ class Outputs:
     false_color: Annotated[FalseColor, Parameter(group=OUTPUT)] = "illuminance"
     false_color_scale: Annotated[FalseColorScale, Parameter(group=OUTPUT)] = "linear"
     false_color_range: Annotated[tuple[float, float] | None, Parameter(negative="", group=OUTPUT)] = None
+    image_samples: Annotated[int | None, Parameter(group=OUTPUT)] = None
+    image_size: Annotated[tuple[int, int] | None, Parameter(negative="", group=OUTPUT)] = None
+    image_spectra: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     sensitivity: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     interval_parts: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     full_metrics: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     quiet: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     json: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
 
-    def check(self) -> None:
-        """Raise `SceneError` when the range of the false colours is none."""
+    @property
+    def asks_for_images(self) -> bool:
+        """Whether something is said that only images have."""
+        return self.image_spectra or self.image_samples is not None or self.image_size is not None
+
+    def check(self, *, images: bool) -> None:
+        """Raise `SceneError` for what makes no sense.
+
+        Parameters
+        ----------
+        images : bool
+            Whether pictures are images.
+        """
+        faults = [*self._range_faults(), *self._image_faults(images)]
+        if faults:
+            raise SceneError([Fault("command line", "", found, wanted) for found, wanted in faults])
+
+    def _image_faults(self, images: bool) -> list[tuple[str, str]]:
+        faults = []
+        if self.asks_for_images and not (images and self.pictures):
+            faults.append(("image-samples, image-size and image-spectra are for images", "--quality image"))
+        if self.image_samples is not None and self.image_samples < 1:
+            faults.append((f"image-samples must be at least 1, is {self.image_samples}", ""))
+        if self.image_size is not None and not all(1 <= side <= 1 << 15 for side in self.image_size):
+            faults.append(("image-size {} {} is no size".format(*self.image_size), "two numbers from 1 to 32768"))
+        return faults
+
+    def _range_faults(self) -> list[tuple[str, str]]:
         if self.false_color_range is None:
-            return
+            return []
         low, high = self.false_color_range
         is_log = self.false_color_scale == "log"
-        if not (math.isfinite(low) and math.isfinite(high) and low < high and (low > 0.0 or not is_log)):
-            wanted = "the lower number first" + (", and above 0 for a logarithmic scale" if is_log else "")
-            found = f"false-color-range {low:g} {high:g} is no range"
-            raise SceneError([Fault("command line", "", found, wanted)])
+        if math.isfinite(low) and math.isfinite(high) and low < high and (low > 0.0 or not is_log):
+            return []
+        wanted = "the lower number first" + (", and above 0 for a logarithmic scale" if is_log else "")
+        return [(f"false-color-range {low:g} {high:g} is no range", wanted)]

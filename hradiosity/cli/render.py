@@ -46,10 +46,11 @@ def render(
     if referee is not None and referee < 1:
         raise SceneError([Fault("command line", "", f"referee must be at least 1, is {referee}", "")])
     chosen, wanted = settings or Settings(), outputs or Outputs()
-    wanted.check()
+    images = chosen.quality == "image"
+    wanted.check(images=images)
     options = replace(chosen.options(), audit=audit, pictures=wanted.pictures, full_metrics=wanted.full_metrics)
     folder = out if out is not None else Path("results") / name_of(scene)
-    return run(Request(scene, folder, options, chosen.device, referee, wanted))
+    return run(Request(scene, folder, options, chosen.device, referee, wanted, images))
 
 
 def name_of(scene: Path) -> str:

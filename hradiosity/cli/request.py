@@ -22,7 +22,10 @@ PREVIEW = Path("pictures", "preview.png")
 
 @dataclass(frozen=True)
 class Request:
-    """What the command line asked for; see ``hradiosity render --help``."""
+    """What the command line asked for; see ``hradiosity render --help``.
+
+    images : whether pictures are images, computed in every pixel, and not of the model
+    """
 
     scene: Path
     out: Path
@@ -30,6 +33,7 @@ class Request:
     device: str | None
     referee: int | None
     outputs: Outputs
+    images: bool = False
 
 
 @dataclass

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
+from typing import Annotated, Literal
 
 from cyclopts import Group, Parameter
 
@@ -31,7 +31,7 @@ class Settings:
     ----------
     quality
         Starting point for the settings below: draft, normal or fine; normal if left out, draft where an accuracy or a
-        time is asked for.
+        time is asked for. image: normal, and pictures are images: light computed in every pixel, with its noise.
     accuracy
         Like 1%: go on until half the 95 % interval of every reading is below this share of its value, or of 5 % of its
         sensor's mean for darker ones; elements and samples grow as needed.
@@ -86,7 +86,7 @@ class Settings:
         Number from `hradiosity devices`, or a part of the device's name.
     """
 
-    quality: Annotated[Quality | None, Parameter(group=EFFORT)] = None
+    quality: Annotated[Quality | Literal["image"] | None, Parameter(group=EFFORT)] = None
     accuracy: Annotated[float | None, Parameter(converter=share, group=EFFORT)] = None
     time: Annotated[float | None, Parameter(converter=seconds, group=EFFORT)] = None
     replicates: Annotated[int | None, Parameter(group=EFFORT)] = None
@@ -122,7 +122,9 @@ class Settings:
         given = {name: getattr(self, name) for name in OVER_QUALITY if getattr(self, name) is not None}
         try:
             return Options.of_quality(
-                self.quality or ("normal" if self.accuracy is None and self.time is None else "draft"),
+                "normal"
+                if self.quality == "image"
+                else self.quality or ("normal" if self.accuracy is None and self.time is None else "draft"),
                 **given,
                 element_size=self.element_size,
                 accuracy=self.accuracy,

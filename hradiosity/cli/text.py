@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from hradiosity.model.scene import Note
@@ -31,6 +31,23 @@ def note_lines(notes: Sequence[Note], *, all_of_them: bool = False) -> list[str]
     if others and not all_of_them:
         others = [f"{len(others)} remark{'s' if len(others) > 1 else ''} on what was assumed: see notes in run.json"]
     return warnings + others
+
+
+def image_lines(record: Mapping[str, Any], cpu_seconds: float) -> list[str]:
+    """What images cost and how noisy they are."""
+    rows = [("view", "pixels", "samples", "noise (median)", "(95 %)", "ΔE2000 to the display (95 %)")]
+    for entry in record["pictures"]:
+        rows.append(
+            (
+                entry["view"],
+                f"{entry['width']} × {entry['height']}",
+                str(entry["samples"]),
+                percent(entry["noise_median"]),
+                percent(entry["noise_95"]),
+                f"{entry['delta_e_2000_to_display_95']:.2g}",
+            )
+        )
+    return [*aligned(rows), f"  {cpu_seconds:.1f} CPU s; noise is the standard error of a pixel's luminance"]
 
 
 def sensor_lines(readings: Mapping[str, Readings]) -> list[str]:

@@ -115,13 +115,19 @@ def chromaticity_1960(tristimulus: NDArray[np.float64]) -> NDArray[np.float64]:
     return uv
 
 
-def _srgb_from_xyz() -> NDArray[np.float64]:
-    """(3, 3) matrix that takes white of luminance 1 to (1, 1, 1), from the primaries and the white.
+def linear_rgb_matrix(primaries: NDArray[np.float64], white: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(3, 3) matrix that takes X, Y, Z to linear R, G, B, and white of luminance 1 to (1, 1, 1).
 
     Source: SMPTE RP 177-1993, derivation of the normalised primary matrix.
+
+    Parameters
+    ----------
+    primaries : (3, 2) float64
+        Chromaticities x, y of red, green and blue.
+    white : (2,) float64
+        Chromaticity of white.
     """
-    chromaticities = np.vstack([SRGB_PRIMARIES, SRGB_WHITE])
-    x, y = chromaticities.T
+    x, y = np.vstack([primaries, white]).T
     per_luminance = np.stack([x / y, np.ones(4), (1 - x - y) / y])
     luminances = np.linalg.solve(per_luminance[:, :3], per_luminance[:, 3])
     return np.linalg.inv(per_luminance[:, :3] * luminances)
@@ -149,8 +155,17 @@ def xyz_to_linear_srgb(tristimulus: NDArray[np.float64], white_luminance: float)
     """
     if not (np.isfinite(white_luminance) and white_luminance > 0):
         raise ValueError(f"the luminance of white must be positive, is {white_luminance}")
-    linear: NDArray[np.float64] = np.einsum("...c,rc->...r", tristimulus / white_luminance, _srgb_from_xyz())
+    linear: NDArray[np.float64] = np.einsum(
+        "...c,rc->...r", tristimulus / white_luminance, linear_rgb_matrix(SRGB_PRIMARIES, SRGB_WHITE)
+    )
     return linear
+
+
+def linear_srgb_to_xyz(linear: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Tristimulus values (…, 3) of linear sRGB (…, 3); Y of white is 1."""
+    matrix = np.linalg.inv(linear_rgb_matrix(SRGB_PRIMARIES, SRGB_WHITE))
+    tristimulus: NDArray[np.float64] = np.einsum("...c,rc->...r", linear, matrix)
+    return tristimulus
 
 
 def encode_srgb(linear: NDArray[np.float64]) -> NDArray[np.float64]:

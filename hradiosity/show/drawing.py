@@ -64,6 +64,7 @@ class Picture:
             "file": f"{self.stem}.png",
             "exr": f"{self.stem}.exr" if self.channels else None,
             "view": self.view,
+            "kind": "model",
             "mode": self.mode,
             "width": self.pixels.shape[1],
             "height": self.pixels.shape[0],
@@ -180,7 +181,7 @@ def draw_view(drawing: Drawing, mode: str, *, white: float, scale: Scale) -> Pic
     return Picture(
         view=drawing.view.name,
         mode=mode,
-        stem=f"{_file_name(drawing.view.name)}_{mode}",
+        stem=f"{file_name(drawing.view.name)}_{mode}",
         pixels=pixels,
         channels=channels,
         texts=texts,
@@ -253,6 +254,6 @@ def _exposure_texts(drawing: Drawing, white: float) -> dict[str, str]:
     }
 
 
-def _file_name(name: str) -> str:
+def file_name(name: str) -> str:
     """The view's name with everything but letters, digits, dots and dashes as underscores."""
     return "".join(c if c.isalnum() or c in ".-" else "_" for c in name)

@@ -112,17 +112,33 @@ def write_pictures(
         When a file can't be written.
     """
     drawn = draw_pictures(solution, device, options or PictureOptions(), on_device)
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise OutputError(f"{folder} can't be made: {error.strerror or error}") from error
+    make_folder(folder)
     for picture in drawn.pictures:
         texts = {"Title": f"{solution.scene.name}: {picture.view}, {picture.mode}", **picture.texts}
         write_bytes(folder / f"{picture.stem}.png", png_bytes(picture.pixels, texts))
         if picture.channels:
             write_exr(folder / f"{picture.stem}.exr", picture.channels, picture.texts)
-    write_bytes(folder / "pictures.json", (json.dumps(drawn.record, indent=2, ensure_ascii=False) + "\n").encode())
+    write_record(folder, drawn.record)
     return drawn
+
+
+def make_folder(folder: Path) -> None:
+    """Make a folder for pictures, if there is none.
+
+    Raises
+    ------
+    OutputError
+        When it can't be made.
+    """
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise OutputError(f"{folder} can't be made: {error.strerror or error}") from error
+
+
+def write_record(folder: Path, record: dict[str, Any]) -> None:
+    """Write ``pictures.json``."""
+    write_bytes(folder / "pictures.json", (json.dumps(record, indent=2, ensure_ascii=False) + "\n").encode())
 
 
 def draw_pictures(
@@ -136,17 +152,17 @@ def draw_pictures(
         bvh = build_bvh(device, scene.patches)
         sampled = sampled_scene(scene, solution.plan.weak_emitters)
         on_device = upload_scene(device, sampled, bvh, occlusion=solution.plan.occlusion)
-    views, notes = _views(solution, on_device)
+    views, notes = views_of(solution, on_device)
     drawings = prepare_drawing(solution, on_device, views, options.refinement, white_of(scene, options.white))
     white = options.white_luminance or white_luminance([d.shown(d.dull_radiance()) for d in drawings])
-    scale = _scale(options, drawings)
+    scale = scale_of(options, [_seen_values(drawing, options.quantity) for drawing in drawings])
     pictures = tuple(
         draw_view(drawing, mode, white=white, scale=scale) for drawing in drawings for mode in options.modes
     )
     return PictureSet(pictures, _record(options, drawings, pictures, white, scale, notes), notes)
 
 
-def _views(solution: Solution, on_device: DeviceScene) -> tuple[Sequence[View], tuple[Note, ...]]:
+def views_of(solution: Solution, on_device: DeviceScene) -> tuple[Sequence[View], tuple[Note, ...]]:
     """Views of the scene, or one that is chosen here, which is noted."""
     scene = solution.scene
     if scene.views:
@@ -158,12 +174,12 @@ def _views(solution: Solution, on_device: DeviceScene) -> tuple[Sequence[View], 
     return (view,), (Note("info", "view", message),)
 
 
-def _scale(options: PictureOptions, drawings: Sequence[Drawing]) -> Scale:
-    """One scale of false colours for all views."""
+def scale_of(options: PictureOptions, seen: Sequence[NDArray[np.floating]]) -> Scale:
+    """One scale of false colours for all views, whose values are `seen`."""
     unit = "lx" if options.quantity == "illuminance" else "cd/m²"
     if options.scale_range is not None:
         return Scale(*options.scale_range, options.logarithmic, options.quantity, unit)
-    values = np.concatenate([np.zeros(0), *(_seen_values(d, options.quantity) for d in drawings)])
+    values = np.concatenate([np.zeros(0), *seen])
     return automatic_scale(values, logarithmic=options.logarithmic, quantity=options.quantity, unit=unit)
 
 
@@ -188,13 +204,7 @@ def _record(
             "rule": "as asked for" if asked else "1 in 100 points that do not shine is brighter, all views together",
             "colours": f"{drawings[0].white.words}; clipped, no tone curve",
         },
-        "false_color": {
-            "quantity": scale.quantity,
-            "unit": scale.unit,
-            "low": scale.low,
-            "high": scale.high,
-            "logarithmic": scale.logarithmic,
-        },
+        "false_color": scale.record(),
         "shadow_refinement": {
             "leaves": int(leaves.is_leaf.sum()),
             "vertices": len(drawings[0].shadow.covered),

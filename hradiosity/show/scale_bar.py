@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,6 +43,10 @@ class Scale:
         lowest = 0.0 if self.logarithmic else -np.inf
         if not (np.isfinite([self.low, self.high]).all() and lowest < self.low < self.high):
             raise ValueError(f"a scale from {self.low} to {self.high} {self.unit} is no scale")
+
+    def record(self) -> dict[str, Any]:
+        """The scale in ``pictures.json``."""
+        return {name: getattr(self, name) for name in ("quantity", "unit", "low", "high", "logarithmic")}
 
     def share(self, values: NDArray[np.floating]) -> NDArray[np.float64]:
         """Place of values on the scale, 0 … 1 within it."""

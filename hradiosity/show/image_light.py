@@ -1,0 +1,146 @@
+"""A solution as images look it up: tables on the device, in bands."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.device.device import DeviceArray
+from hradiosity.metrics.colorimetric import xyz_weights
+from hradiosity.metrics.photometric import luminous_weights
+from hradiosity.model.scene import Scene
+from hradiosity.radiosity.surfaces import MOST_CONTRAST
+from hradiosity.show.image_guide import row_guides
+from hradiosity.show.image_lamps import LAMP_POINTS, lamp_tables
+from hradiosity.solution import Solution
+from hradiosity.space.hierarchy import NONE
+from hradiosity.transport.contrast import side_contrast
+from hradiosity.transport.device_scene import DeviceScene, upload_elements
+from hradiosity.transport.direct import direct_on_rows
+from hradiosity.transport.exchange import RowHits, trace_rows
+from hradiosity.transport.glow import glow_of, sampled_scene
+
+ROW_RAYS: Final = 128
+"""From each element, to see from how many directions its light comes."""
+
+
+@dataclass(frozen=True)
+class ImageLight:
+    """What the kernel ``image_samples`` takes of a scene and its solution.
+
+    scene : geometry, and the emitters that shadow rays go to
+    arguments : device arrays and numbers by the names of the kernel's arguments
+    n_bands : bands of the spectra, which are filled up with zeros to groups of eight
+    """
+
+    scene: DeviceScene
+    arguments: dict[str, DeviceArray | int | float]
+    n_bands: int
+
+    @property
+    def n_groups(self) -> int:
+        """Groups of eight bands."""
+        return -(-self.n_bands // 8)
+
+
+def image_light(solution: Solution, on_device: DeviceScene) -> ImageLight:
+    """Tables for images of a solution.
+
+    Parameters
+    ----------
+    solution : Solution
+    on_device : DeviceScene
+        With the solution's sampled emitters.
+    """
+    scene, plan, device = solution.scene, solution.plan, on_device.device
+    glow = glow_of(scene, plan.columns, plan.weak_emitters)
+    elements = upload_elements(device, solution.elements, glow.paint)
+    own = np.concatenate([scene.reflectance, np.zeros((1, len(scene.bands)))])[glow.material]
+    shining = plan.columns.to_bands(glow.exitance)
+    first_side = solution.elements.cell_side[solution.elements.row_cell[solution.elements.row_start[:-1]]]
+    row_paint = glow.paint.ravel()[first_side]
+    reflected = own[row_paint] * solution.surfaces.irradiance * plan.interreflection + shining[row_paint]
+    hits = trace_rows(on_device, elements, ROW_RAYS, _seed(solution))
+    per_emitter = direct_on_rows(on_device, elements, hits, LAMP_POINTS, _seed(solution))
+    emission = _emission(sampled_scene(scene, plan.weak_emitters))
+    sky = np.zeros(len(scene.bands)) if scene.sky is None else np.pi * scene.sky.radiance
+    weight = luminous_weights(scene.bands) + 1.0
+    cells = {name: elements.cells[name] for name in ("cell_divisions", "side_first_cell", "cell_row")}
+    arguments: dict[str, DeviceArray | int | float] = {
+        **cells,
+        "patch_solid": on_device.solid,
+        "side_paint": elements.side_paint,
+        "side_lamp": device.upload(_side_lamps(scene)),
+        "row_size": device.upload(_lookup_size(solution, hits, first_side, reflected)),
+        **lamp_tables(on_device, elements, per_emitter, emission @ weight),
+        "guide": row_guides(on_device, elements, reflected @ weight, float(sky @ weight), _seed(solution)),
+        "reflectance": device.upload(padded(own)),
+        "glow": device.upload(padded(shining)),
+        "shown": device.upload(padded(_shown(scene))),
+        "emission": device.upload(padded(emission)),
+        "reflected": device.upload(padded(reflected)),
+        "sky": device.upload(padded(sky)),
+        "colour": device.upload(padded(_colour_weights(scene))),
+        "n_emitters": on_device.n_emitters,
+        "occlusion": int(on_device.occlusion),
+        "gathers": int(plan.gathers or scene.sky is not None),
+        "bounce": float(plan.interreflection),
+    }
+    return ImageLight(on_device, arguments, len(scene.bands))
+
+
+def padded(bands: NDArray[np.floating]) -> NDArray[np.float32]:
+    """(…, n_bands) as float32 with zero bands up to a multiple of eight; at least one row."""
+    rows = bands if len(bands) else np.zeros((1, *bands.shape[1:]))
+    out = np.zeros((*rows.shape[:-1], -(-rows.shape[-1] // 8) * 8), np.float32)
+    out[..., : rows.shape[-1]] = rows
+    return out
+
+
+def _emission(scene: Scene) -> NDArray[np.float64]:
+    """(n_emitters, n_bands) exitance [W m⁻²] or intensity [W sr⁻¹]."""
+    unit = [lamp.exitance if len(lamp.exitance) else lamp.intensity for lamp in scene.luminaires]
+    table = np.array(unit, np.float64).reshape(len(unit), len(scene.bands))
+    return table[scene.emitters.luminaire]
+
+
+def _shown(scene: Scene) -> NDArray[np.float64]:
+    """(n_luminaires, n_bands) exitance [W m⁻²]; 0 for point sources, which no ray meets."""
+    black = np.zeros(len(scene.bands))
+    exitance = [lamp.exitance if len(lamp.exitance) else black for lamp in scene.luminaires]
+    return np.array(exitance, np.float64).reshape(len(exitance), len(scene.bands))
+
+
+def _side_lamps(scene: Scene) -> NDArray[np.uint32]:
+    """(n_patches, 2) luminaire that each side shines as, NONE for those that do not."""
+    lamps = scene.emitters
+    side_lamp = np.full((len(scene.patches), 2), NONE, np.uint32)
+    flat = np.flatnonzero(lamps.patch >= 0)
+    side_lamp[lamps.patch[flat], 0] = lamps.luminaire[flat]
+    both = flat[np.array([lamp.two_sided for lamp in scene.luminaires], bool)[lamps.luminaire[flat]]]
+    side_lamp[lamps.patch[both], 1] = lamps.luminaire[both]
+    return side_lamp
+
+
+def _colour_weights(scene: Scene) -> NDArray[np.float64]:
+    """(4, n_bands) X, Y, Z of the radiance of a diffuse surface for its exitance, and illuminance for irradiance."""
+    return np.vstack([xyz_weights(scene.bands).T / np.pi, luminous_weights(scene.bands)])
+
+
+def _lookup_size(
+    solution: Solution, hits: RowHits, side: NDArray[np.integer], reflected: NDArray[np.float64]
+) -> NDArray[np.float32]:
+    """(n_rows,) edge of each element [m], as `hradiosity.readings.surface_light.SurfaceLight.row_size`."""
+    weight = luminous_weights(solution.scene.bands) + 1.0
+    area = solution.elements.area * solution.surfaces.exposed
+    contrast = side_contrast(hits, side, area, reflected @ weight, solution.surfaces.irradiance @ weight)
+    size = np.where(contrast > MOST_CONTRAST, -1.0, 1.0) * np.sqrt(solution.elements.area)
+    return np.where(area > 0.0, size, np.inf).astype(np.float32)
+
+
+def _seed(solution: Solution) -> int:
+    """Of the tables' own random numbers."""
+    return int(solution.record["options"]["seed"]) ^ 0x1B56C4E9

@@ -1,0 +1,156 @@
+"""Images as files: for eyes, for numbers and for other programs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.device import Device
+from hradiosity.model.scene import View
+from hradiosity.show.exposure import white_luminance
+from hradiosity.show.image import PASSES, SAMPLES, GrowingImage, Image, device_scene
+from hradiosity.show.image_files import write_image
+from hradiosity.show.image_light import image_light
+from hradiosity.show.pictures import PictureOptions, PictureSet, make_folder, scale_of, views_of, write_record
+from hradiosity.show.white import white_of
+from hradiosity.solution import Solution
+from hradiosity.transport.device_scene import DeviceScene
+
+WHOLLY: Final = 0.999
+"""Share of a pixel from which on it shows surfaces only."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImageOptions:
+    """How images are computed.
+
+    samples : in each pixel
+    spectra : write the spectrum of each pixel too
+    size : width and height of all images in place of those of the views; the angle of view across stays
+    """
+
+    samples: int = SAMPLES
+    spectra: bool = False
+    size: tuple[int, int] | None = None
+
+    def __post_init__(self) -> None:
+        if self.samples < 1:
+            raise ValueError(f"samples must be at least 1, is {self.samples}")
+        if self.size is not None and not all(1 <= side <= 1 << 15 for side in self.size):
+            raise ValueError(f"size must be two numbers from 1 to 32768, is {self.size}")
+
+
+def write_images(
+    solution: Solution,
+    folder: Path,
+    device: Device,
+    options: PictureOptions | None = None,
+    image_options: ImageOptions | None = None,
+    on_device: DeviceScene | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> tuple[PictureSet, bool]:
+    """Compute the image of each view of the scene, into ``folder``.
+
+    For each view there are ``<view>_image.png``, ``.exr`` (X, Y, Z and their standard errors, illuminance), ``.hdr``
+    (Radiance), ``<view>_image_false-color.png``, and with ``spectra`` ``<view>_image_spectral.exr``;
+    ``pictures.json`` states exposure, scale, noise, and how far the display is from the colours.
+
+    Parameters
+    ----------
+    solution : Solution
+    folder : Path
+        Made if there is none.
+    device : Device
+    options : PictureOptions, optional
+        Its modes and refinement are of no use here.
+    image_options : ImageOptions, optional
+    on_device : DeviceScene, optional
+        The scene's ray structure, where it is at hand already.
+    progress : callable, optional
+        Is told what is done.
+
+    Returns
+    -------
+    PictureSet, and whether a keyboard interrupt broke it off; what had two passes by then is written.
+
+    Raises
+    ------
+    OutputError
+        When a file can't be written.
+    """
+    options, image_options = options or PictureOptions(), image_options or ImageOptions()
+    if not len(solution.scene.patches):
+        return PictureSet((), {"pictures": []}, ()), False
+    on_device = device_scene(solution, device) if on_device is None else on_device
+    views, notes = views_of(solution, on_device)
+    images, interrupted = _images(solution, on_device, views, image_options, progress)
+    make_folder(folder)
+    white_name = white_of(solution.scene, options.white)
+    white = options.white_luminance or white_luminance([white_name.shown(_dull(i)).astype(np.float32) for i in images])
+    scale = scale_of(options, [_seen(image, options.quantity) for image in images])
+    entries = [write_image(folder, image, solution.scene.name, white_name, white, scale) for image in images]
+    record = {
+        "exposure": {
+            "white_luminance_cd_m2": white,
+            "rule": "as asked for"
+            if options.white_luminance is not None
+            else "1 in 100 pixels that do not shine is brighter, all views together",
+            "colours": f"{white_name.words}; clipped, no tone curve",
+        },
+        "false_color": scale.record(),
+        "pictures": entries,
+        "notes": [str(note) for note in notes],
+    }
+    write_record(folder, record)
+    return PictureSet((), record, notes), interrupted
+
+
+def _images(
+    solution: Solution,
+    on_device: DeviceScene,
+    views: Sequence[View],
+    options: ImageOptions,
+    progress: Callable[[str], None] | None,
+) -> tuple[list[Image], bool]:
+    """Images of all views; when interrupted, those that have two passes."""
+    images: list[Image] = []
+    growing: GrowingImage | None = None
+    try:
+        light = image_light(solution, on_device)
+        for view in views:
+            sized = view if options.size is None else replace(view, width=options.size[0], height=options.size[1])
+            growing = GrowingImage(
+                light,
+                sized,
+                solution.scene.bands,
+                samples=options.samples,
+                seed=int(solution.record["options"]["seed"]),
+                spectra=options.spectra,
+            )
+            for number in range(PASSES):
+                if progress is not None:
+                    progress(f"image of {view.name!r}: pass {number + 1} of {PASSES}")
+                growing.add_pass()
+            images.append(growing.image())
+            growing = None
+    except KeyboardInterrupt:
+        if growing is not None and growing.passes >= 2:
+            images.append(growing.image())
+        return images, True
+    return images, False
+
+
+def _dull(image: Image) -> NDArray[np.float64]:
+    """(n, 3) X, Y, Z of the pixels that show only surfaces that do not shine."""
+    return image.dull[image.surface - image.shining > WHOLLY]
+
+
+def _seen(image: Image, quantity: str) -> NDArray[np.float64]:
+    """Illuminance or luminance of the same pixels."""
+    values = image.illuminance if quantity == "illuminance" else image.xyz[..., 1]
+    return values[image.surface - image.shining > WHOLLY]
