@@ -1,1 +1,1 @@
-"""The window of ``hradiosity view``: pyvista and VTK only in `stage` and `app`, everything else pure functions."""
+"""The window of ``hradiosity view``: VTK only in `stage`, `events` and `overlays`, all else pure functions."""

@@ -93,13 +93,13 @@ def _run(viewer: Viewer, request: Request) -> None:
     from hradiosity.show.window.following import Follower
 
     follower = None if request.follow is None else Follower(request.follow)
-    viewer.plotter.ren_win.SetWindowName(f"hradiosity: {' | '.join(viewer.names)}")
+    viewer.window.SetWindowName(f"hradiosity: {' | '.join(viewer.names)}")
     try:
         Events(viewer, None if follower is None else lambda: follower.update(viewer)).run()
     finally:
         if follower is not None:
             follower.close()
-        viewer.plotter.close()
+        viewer.window.Finalize()
 
 
 def load_subjects(request: Request) -> list[Subject]:

@@ -29,8 +29,12 @@ class Events:
         self._from: tuple[int, int] | None = None
         self._moved = 0
         self._moving = False
-        self._interactor: Any = viewer.plotter.iren.interactor
-        self._interactor.RemoveAllObservers()
+        from vtkmodules.vtkRenderingCore import vtkRenderWindowInteractor
+
+        # VTK's type hints know neither events by name nor that there may be no style.
+        make: Any = vtkRenderWindowInteractor
+        self._interactor = make()
+        self._interactor.SetRenderWindow(viewer.window)
         self._interactor.SetInteractorStyle(None)
         handlers = {
             "LeftButtonPressEvent": lambda: self._press(move=bool(self._interactor.GetShiftKey())),

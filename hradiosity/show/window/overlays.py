@@ -9,9 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.show.window.keys import Button
-from hradiosity.show.window.lettering import CHOSEN, FAINT, INK, LINE, Rgba, Sheet, text_width
+from hradiosity.show.window.lettering import CHOSEN, FAINT, INK, Rgba
 from hradiosity.show.window.look import AXES, NO_LINES, Look
-from hradiosity.show.window.panels import facts_panel, help_panel, scale_legend, toolbar
+from hradiosity.show.window.panels import facts_panel, help_panel, scale_legend, toolbar, words_sheet
 from hradiosity.show.window.stage import ORANGE, PURPLE, SKY_BLUE, ImageActor
 
 if TYPE_CHECKING:
@@ -40,30 +40,35 @@ class Overlays:
         window.AddRenderer(layer)
         self._actors = {name: ImageActor(layer) for name in ("buttons", "legend", "facts", "status", "help")}
         self._shown: dict[str, Hashable] = {}
-        self._bar = toolbar(frozenset())
+        self._bar = toolbar(frozenset(), 1000)
 
     def button_at(self, x: float, y: float) -> Button | None:
         """The button at a place, in pixels from the upper left corner."""
-        if not 0 <= y - _GAP < self._bar.pixels.shape[0]:
-            return None
-        return self._bar.button_at(x - _GAP)
+        return self._bar.button_at(x - _GAP, y - _GAP)
 
     def update(self, viewer: Viewer) -> None:
         """Show what the viewer's state calls for."""
         width, height = viewer.size
-        self._put("buttons", (chosen_commands(viewer), height), lambda: self._bar_pixels(viewer), _GAP, _GAP, height)
-        legend = viewer.legend()
-        if legend is None:
+        self._bar = toolbar(chosen_commands(viewer), width - 2 * _GAP)
+        self._put("buttons", (chosen_commands(viewer), width, height), lambda: self._bar.pixels, _GAP, _GAP, height)
+        if viewer.legend is None:
             self._hide("legend")
         else:
-            scale, colours, note = legend
-            pixels = scale_legend(scale, min(_LEGEND_HEIGHT, height - 100), colours, note)
+            scale, note = viewer.legend.scale, viewer.legend.note
+            pixels = scale_legend(scale, min(_LEGEND_HEIGHT, height - 100), viewer.legend.colours, note)
             left = width - pixels.shape[1] - _GAP
-            self._put("legend", (scale, note, width, height), lambda: pixels, left, 44, height)
+            self._put(
+                "legend",
+                (scale, note, width, height),
+                lambda: pixels,
+                left,
+                self._bar.pixels.shape[0] + 2 * _GAP,
+                height,
+            )
         words = status_words(viewer)
-        status = _status_pixels(words)
+        status = words_sheet(words, width - 2 * _GAP)
         top = height - status.shape[0] - _GAP
-        self._put("status", (words, height), lambda: status, _GAP, top, height)
+        self._put("status", (words, width, height), lambda: status, _GAP, top, height)
         facts = viewer.facts()
         if facts is None:
             self._hide("facts")
@@ -77,10 +82,6 @@ class Overlays:
             self._put("help", (width, height), lambda: page, left, upper, height)
         else:
             self._hide("help")
-
-    def _bar_pixels(self, viewer: Viewer) -> NDArray[np.uint8]:
-        self._bar = toolbar(chosen_commands(viewer))
-        return self._bar.pixels
 
     def _hide(self, name: str) -> None:
         self._shown.pop(name, None)
@@ -135,7 +136,7 @@ def status_words(viewer: Viewer) -> Words:
 
 def _exposure_words(viewer: Viewer) -> str:
     look, subject = viewer.look, viewer.subject
-    if viewer.legend() is not None:
+    if viewer.legend is not None:
         return ""
     if look.mode == "unshaded":
         return "unshaded: white is reflectance 1 under D65"
@@ -158,16 +159,6 @@ def _section_words(viewer: Viewer) -> str:
     low, high = cells.corners[..., section.axis].min(), cells.corners[..., section.axis].max()
     kept = ">" if section.flipped else "<"
     return f"section {AXES[section.axis]} {kept} {low + section.share * (high - low):.2f} m"
-
-
-def _status_pixels(words: Words) -> NDArray[np.uint8]:
-    widths = [text_width(text) + 18 for text, _ in words]
-    sheet = Sheet(sum(widths) + 6, LINE + 8)
-    x = 8
-    for (text, ink), width in zip(words, widths, strict=True):
-        sheet.text(x, 4 + LINE / 2, text, ink)
-        x += width
-    return sheet.pixels
 
 
 def _ink(colour: tuple[float, float, float]) -> Rgba:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -20,6 +21,7 @@ PANEL_WIDTH: Final = 400
 CHART_HEIGHT: Final = 190
 _LABEL: Final = 108
 _BUTTON_HEIGHT: Final = 24
+_BUTTON: Final[Rgba] = (60, 64, 72, 235)
 _BUTTON_CHOSEN: Final[Rgba] = (222, 200, 90, 235)
 
 
@@ -100,36 +102,54 @@ def help_panel() -> NDArray[np.uint8]:
 
 @dataclass(frozen=True)
 class Toolbar:
-    """Buttons in a row.
+    """Buttons in rows.
 
     pixels : (h, w, 4)
-    places : left and right end of each, in pixels
+    places : left, top, right and bottom of each, in pixels
     """
 
     pixels: NDArray[np.uint8]
-    places: tuple[tuple[int, int], ...]
+    places: tuple[tuple[int, int, int, int], ...]
 
-    def button_at(self, x: float) -> Button | None:
+    def button_at(self, x: float, y: float) -> Button | None:
         """The one at a place, if there is one."""
-        for button, (left, right) in zip(BUTTONS, self.places, strict=True):
-            if left <= x < right:
+        for button, (left, top, right, bottom) in zip(BUTTONS, self.places, strict=True):
+            if left <= x < right and top <= y < bottom:
                 return button
         return None
 
 
-def toolbar(chosen: frozenset[str]) -> Toolbar:
-    """All buttons, those whose commands are `chosen` marked."""
-    places, x = [], 2
+def toolbar(chosen: frozenset[str], room: int) -> Toolbar:
+    """All buttons, those whose commands are `chosen` marked, in as many rows as a width of `room` pixels calls for."""
+    places, x, y, widest = [], 2, 2, 0
     for button in BUTTONS:
         width = text_width(button.label, 12) + 16
-        places.append((x, x + width))
+        if x + width > room and x > 2:
+            x, y = 2, y + _BUTTON_HEIGHT + 3
+        places.append((x, y, x + width, y + _BUTTON_HEIGHT))
         x += width + 3
-    sheet = Sheet(x, _BUTTON_HEIGHT + 4, GROUND)
-    for button, (left, right) in zip(BUTTONS, places, strict=True):
+        widest = max(widest, x)
+    sheet = Sheet(widest, y + _BUTTON_HEIGHT + 2, GROUND)
+    for button, (left, top, right, bottom) in zip(BUTTONS, places, strict=True):
         on = button.command in chosen
-        sheet.draw.rounded_rectangle(
-            [left, 2, right - 1, _BUTTON_HEIGHT + 1], radius=4, fill=_BUTTON_CHOSEN if on else (60, 64, 72, 235)
-        )
-        middle = (left + right) / 2, 2 + _BUTTON_HEIGHT / 2
+        fill = _BUTTON_CHOSEN if on else _BUTTON
+        sheet.draw.rounded_rectangle([left, top, right - 1, bottom - 1], radius=4, fill=fill)
+        middle = (left + right) / 2, (top + bottom) / 2
         sheet.text(*middle, button.label, (20, 20, 20, 255) if on else INK, anchor="mm", size=12)
     return Toolbar(sheet.pixels, tuple(places))
+
+
+def words_sheet(words: Sequence[tuple[str, Rgba]], room: int) -> NDArray[np.uint8]:
+    """(h, w, 4) words with their ink in a row, or in as many as a width of `room` pixels calls for."""
+    places, x, y, widest = [], 8, 4 + LINE / 2, 0
+    for text, _ in words:
+        width = text_width(text)
+        if x + width > room and x > 8:
+            x, y = 8, y + LINE
+        places.append((x, y))
+        x += width + 18
+        widest = max(widest, x)
+    sheet = Sheet(min(widest, room), round(y + LINE / 2) + 4)
+    for (text, ink), place in zip(words, places, strict=True):
+        sheet.text(*place, text, ink)
+    return sheet.pixels

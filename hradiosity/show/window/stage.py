@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -13,15 +13,14 @@ from hradiosity.show.window.navigation import Pose
 from hradiosity.show.window.picking import CutPlane
 from hradiosity.show.window.subject import Paint
 
-if TYPE_CHECKING:
-    import pyvista
-
 Colour = tuple[float, float, float]
 SKY_BLUE: Final[Colour] = (0.337, 0.706, 0.914)
 ORANGE: Final[Colour] = (0.902, 0.624, 0.0)
 PURPLE: Final[Colour] = (0.8, 0.475, 0.655)
 """Okabe & Ito's colours, which all eyes tell apart: sensors, lamps, cameras."""
 YELLOW: Final[Colour] = (1.0, 0.92, 0.2)
+SAMPLES: Final = 8
+"""Of each pixel of a screenshot; a window that moves has one, which software draws three times as fast."""
 _BACKS: Final[Colour] = (0.42, 0.44, 0.48)
 _GROUND: Final[Colour] = (0.13, 0.14, 0.16)
 _LIGHT_LINE: Final[Colour] = (0.85, 0.85, 0.85)
@@ -38,17 +37,11 @@ class SurfaceActor:
     """
 
     def __init__(self, renderer: Any, cells: Cells) -> None:
-        import pyvista
-
         self._renderer = renderer
-        n = len(cells)
         count = np.where(cells.is_triangle, 3, 4)
-        faces = np.column_stack([count, np.arange(4 * n).reshape(n, 4)])
-        keep = np.ones((n, 5), np.bool_)
-        keep[cells.is_triangle, 4] = False
-        points = cells.corners.reshape(-1, 3).astype(np.float32)
-        self._mesh = pyvista.PolyData(points, faces=faces[keep]) if n else pyvista.PolyData()
-        self._corner = np.arange(4 * n)
+        number = np.arange(4 * len(cells)).reshape(-1, 4)
+        used = number[np.arange(4) < count[:, None]]
+        self._mesh = mesh_of(cells.corners.reshape(-1, 3), polygons=(used, count))
         self._actor = _surface(self._mesh)
         self._actor.GetProperty().BackfaceCullingOn()
         self._behind = _surface(self._mesh)
@@ -108,9 +101,7 @@ class LinesActor:
     """Lines, or points, of one colour."""
 
     def __init__(self, renderer: Any, colour: Colour, *, width: float = 1.5, on_top: bool = False) -> None:
-        import pyvista
-
-        self._mesh = pyvista.PolyData()
+        self._mesh = mesh_of(np.zeros((0, 3)))
         self._actor = _surface(self._mesh)
         about = self._actor.GetProperty()
         about.SetColor(colour)
@@ -124,23 +115,15 @@ class LinesActor:
 
     def show_lines(self, lines: Lines) -> None:
         """Show these and no others."""
-        import pyvista
-
-        n = len(lines.start)
-        mesh = pyvista.PolyData()
-        if n:
-            points = np.stack([lines.start, lines.end], axis=1).reshape(-1, 3)
-            mesh = pyvista.PolyData(points, lines=np.column_stack([np.full(n, 2), np.arange(2 * n).reshape(n, 2)]))
-        self._set(mesh)
+        points = np.stack([lines.start, lines.end], axis=1).reshape(-1, 3)
+        self._set(mesh_of(points, lines=(np.arange(len(points)), np.full(len(lines.start), 2))))
 
     def show_points(self, points: NDArray[np.float64], colours: NDArray[np.uint8] | None = None) -> None:
         """Show these, each in its colour if there are colours (n, 3)."""
-        import pyvista
-
-        mesh = pyvista.PolyData(np.ascontiguousarray(points)) if len(points) else pyvista.PolyData()
+        mesh = mesh_of(points, vertices=(np.arange(len(points)), np.ones(len(points), np.int64)))
         mapper = self._actor.GetMapper()
-        mapper.SetScalarVisibility(colours is not None and len(points) > 0)
-        if colours is not None and len(points):
+        mapper.SetScalarVisibility(colours is not None)
+        if colours is not None:
             mesh.GetPointData().SetScalars(_array(colours, "colours"))
             mapper.SetColorModeToDirectScalars()
         self._set(mesh)
@@ -153,7 +136,7 @@ class LinesActor:
         """Hide what a section hides."""
         _cut(self._actor.GetMapper(), plane)
 
-    def _set(self, mesh: pyvista.PolyData) -> None:
+    def _set(self, mesh: Any) -> None:
         self._mesh = mesh
         self._actor.GetMapper().SetInputData(mesh)
 
@@ -177,18 +160,19 @@ class ImageActor:
 
     def show(self, pixels: NDArray[np.uint8], left: int, top: int, window_height: int) -> None:
         """Show pixels (h, w, 4) with their upper left corner at a place, in pixels from the window's upper left one."""
-        import pyvista
+        from vtkmodules.vtkCommonDataModel import vtkImageData
 
         height, width = pixels.shape[:2]
-        image = pyvista.ImageData(dimensions=(width, height, 1))
+        image = vtkImageData()
+        image.SetDimensions(width, height, 1)
         image.GetPointData().SetScalars(_array(pixels[::-1].reshape(-1, 4), "pixels"))
         self._texture.SetInputData(image)
         low = window_height - top - height
         points = np.array([[left, low], [left + width, low], [left + width, low + height], [left, low + height]])
         corners = np.column_stack([points, np.zeros(4)]).astype(np.float64)
-        quad = pyvista.PolyData(corners, faces=np.array([4, 0, 1, 2, 3]))
-        texture = _array(np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32), "texture")
-        quad.GetPointData().SetTCoords(texture)
+        quad = mesh_of(corners, polygons=(np.arange(4), np.array([4])))
+        texture = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
+        quad.GetPointData().SetTCoords(_array(texture, "texture"))
         self._mapper.SetInputData(quad)
         self._actor.VisibilityOn()
 
@@ -211,7 +195,45 @@ def new_ground(renderer: Any) -> None:
     renderer.GradientBackgroundOff()
 
 
-def _surface(mesh: pyvista.PolyData) -> Any:
+def open_window(n_parts: int, size: tuple[int, int], off_screen: bool) -> tuple[Any, list[Any]]:
+    """A window, or none, and the renderers of its parts; its pixels have one sample each, as software draws it."""
+    # Without these imports VTK has no classes that draw, and no letters.
+    import vtkmodules.vtkInteractionStyle
+    import vtkmodules.vtkRenderingFreeType
+    import vtkmodules.vtkRenderingOpenGL2  # noqa: F401
+    from vtkmodules.vtkRenderingCore import vtkRenderer, vtkRenderWindow
+
+    window = vtkRenderWindow()
+    window.SetOffScreenRendering(off_screen)
+    window.SetSize(*size)
+    window.SetMultiSamples(0)
+    renderers = [vtkRenderer() for _ in range(n_parts)]
+    for renderer in renderers:
+        window.AddRenderer(renderer)
+    return window, renderers
+
+
+def window_pixels(window: Any) -> NDArray[np.uint8]:
+    """(height, width, 3) what a window shows, with smooth edges."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkRenderingCore import vtkWindowToImageFilter
+
+    window.SetMultiSamples(SAMPLES)
+    window.Render()
+    grab = vtkWindowToImageFilter()
+    grab.SetInput(window)
+    grab.SetInputBufferTypeToRGB()
+    grab.ReadFrontBufferOff()
+    grab.Update()
+    image = grab.GetOutput()
+    width, height, _ = image.GetDimensions()
+    window.SetMultiSamples(0)
+    to_numpy: Any = vtk_to_numpy
+    flat: NDArray[np.uint8] = to_numpy(image.GetPointData().GetScalars())
+    return flat.reshape(height, width, 3)[::-1].copy()
+
+
+def _surface(mesh: Any) -> Any:
     """An actor that shines as it is painted, without lights."""
     from vtkmodules.vtkRenderingCore import vtkActor, vtkPolyDataMapper
 
@@ -235,9 +257,38 @@ def _cut(mapper: Any, plane: CutPlane | None) -> None:
         mapper.AddClippingPlane(cut)
 
 
-def _array(values: NDArray[Any], name: str) -> Any:
-    import pyvista
+Cellular = tuple[NDArray[np.int64], NDArray[np.int64]]
+"""Numbers of the points of all cells in a row, and how many each cell has."""
 
-    array = pyvista.convert_array(np.ascontiguousarray(values), deep=True)
+
+def mesh_of(
+    points: NDArray[np.float64],
+    *,
+    polygons: Cellular | None = None,
+    lines: Cellular | None = None,
+    vertices: Cellular | None = None,
+) -> Any:
+    """VtkPolyData of points (n, 3)."""
+    from vtkmodules.vtkCommonCore import vtkPoints
+    from vtkmodules.vtkCommonDataModel import vtkCellArray, vtkPolyData
+
+    mesh, places = vtkPolyData(), vtkPoints()
+    places.SetData(_array(points.astype(np.float32), "points"))
+    mesh.SetPoints(places)
+    for given, put in ((polygons, mesh.SetPolys), (lines, mesh.SetLines), (vertices, mesh.SetVerts)):
+        if given is not None:
+            numbers, counts = given
+            cells = vtkCellArray()
+            offsets = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+            cells.SetData(_array(offsets, "offsets"), _array(numbers.astype(np.int64), "points of cells"))
+            put(cells)
+    return mesh
+
+
+def _array(values: NDArray[Any], name: str) -> Any:
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    to_vtk: Any = numpy_to_vtk
+    array = to_vtk(np.ascontiguousarray(values), deep=True)
     array.SetName(name)
     return array
