@@ -1,9 +1,10 @@
 """Write a hall of twenty open offices: 240 desks, 120 lamps, 39 000 faces and 5800 readings.
 
-    python examples/make_open_plan.py FOLDER
+    python examples/make_open_plan.py FOLDER [COLUMNS ROWS]
 
-The furniture is that of ``make_office.py``, arranged anew in each bay. The file is a megabyte long, which is why the
-repository holds this script instead.
+COLUMNS and ROWS of bays, 5 and 4 if left out, make a smaller or a larger hall. The furniture is that of
+``make_office.py``, arranged anew in each bay. The file is a megabyte long, which is why the repository holds this
+script instead.
 """
 
 import sys
@@ -16,10 +17,10 @@ from scene_text import box_table, number, write_spectra
 from sensor_grid import clear_grid
 
 COLUMNS, ROWS = 5, 4
+"""Bays along x and y."""
 PITCH = (6.8, 5.2)
 """Distance of neighbouring bays along x and y [m]."""
 MARGIN = 0.9
-HALL = (2 * MARGIN + COLUMNS * PITCH[0] - 0.8, 2 * MARGIN + ROWS * PITCH[1] - 1.2)
 
 HEADER = """\
 # A hall of twenty open offices. Written by examples/make_open_plan.py.
@@ -30,13 +31,18 @@ unit = "m"
 up = "z"
 """
 
-VIEWS = f"""\
-[[view]]
-name = "hall"
-position = [0.4, 0.4, 2.7]
-target = [{HALL[0] / 2:.1f}, {HALL[1] / 2:.1f}, 0.5]
-field_of_view_deg = 80.0
-"""
+
+def hall_size(columns: int, rows: int) -> tuple[float, float]:
+    """Extent of the hall along x and y [m]."""
+    return 2 * MARGIN + columns * PITCH[0] - 0.8, 2 * MARGIN + rows * PITCH[1] - 1.2
+
+
+def view(size: tuple[float, float]) -> str:
+    """From above the corner at the origin to the middle of the hall."""
+    return (
+        '[[view]]\nname = "hall"\nposition = [0.4, 0.4, 2.7]\n'
+        f"target = [{size[0] / 2:.1f}, {size[1] / 2:.1f}, 0.5]\nfield_of_view_deg = 80.0\n"
+    )
 
 
 def partitions() -> tuple[Box, ...]:
@@ -70,17 +76,18 @@ def bay(rng: np.random.Generator, column_number: int, row: int) -> tuple[tuple[B
     return pieces, f"{grid}\n{eyes}"
 
 
-def scene_text(seed: int = 1988) -> str:
+def scene_text(columns: int = COLUMNS, rows: int = ROWS, seed: int = 1988) -> str:
     """The whole scene file."""
     rng = np.random.default_rng(seed)
-    bays = [bay(rng, c, r) for r in range(ROWS) for c in range(COLUMNS)]
-    columns: list[Box] = []
-    for c in range(1, COLUMNS):
-        for r in range(1, ROWS):
+    bays = [bay(rng, c, r) for r in range(rows) for c in range(columns)]
+    posts: list[Box] = []
+    for c in range(1, columns):
+        for r in range(1, rows):
             x, y = bay_corner(c, r)
-            columns += placed(column(), f"c{r}{c}", x - 0.4, y - 0.6)
+            posts += placed(column(), f"c{r}{c}", x - 0.4, y - 0.6)
+    size = hall_size(columns, rows)
     hall = (
-        f'[[box]]\nname = "hall"\ncorner = [0.0, 0.0, 0.0]\nsize = [{number(HALL[0])}, {number(HALL[1])}, {HEIGHT}]\n'
+        f'[[box]]\nname = "hall"\ncorner = [0.0, 0.0, 0.0]\nsize = [{number(size[0])}, {number(size[1])}, {HEIGHT}]\n'
     )
     hall += 'material = "wall"\nfaces = { bottom = "carpet", top = "ceiling" }\ninside = true\n'
     furniture = [piece for pieces, _ in bays for piece in pieces]
@@ -90,20 +97,20 @@ def scene_text(seed: int = 1988) -> str:
             materials_text(),
             luminaires_text(3400.0),
             hall,
-            *(box_table(piece) for piece in (*furniture, *columns)),
+            *(box_table(piece) for piece in (*furniture, *posts)),
             *(sensors for _, sensors in bays),
-            VIEWS,
+            view(size),
         ]
     )
 
 
-def write_open_plan(folder: Path) -> None:
+def write_open_plan(folder: Path, columns: int = COLUMNS, rows: int = ROWS) -> None:
     """Write scene.toml and spectra/ into ``folder``."""
     write_spectra(folder / "spectra", CURVES)
-    (folder / "scene.toml").write_text(scene_text(), encoding="utf-8")
+    (folder / "scene.toml").write_text(scene_text(columns, rows), encoding="utf-8")
 
 
 if __name__ == "__main__":
-    if len(sys.argv) != 2:
-        sys.exit("usage: python examples/make_open_plan.py FOLDER")
-    write_open_plan(Path(sys.argv[1]))
+    if len(sys.argv) not in (2, 4):
+        sys.exit("usage: python examples/make_open_plan.py FOLDER [COLUMNS ROWS]")
+    write_open_plan(Path(sys.argv[1]), *(int(argument) for argument in sys.argv[2:]))

@@ -11,7 +11,6 @@ from numpy.typing import NDArray
 from hradiosity.model.geometry import Patches
 from hradiosity.model.welding import connected, weld, weld_distance
 
-_BITS: Final = 21
 _ON_EDGE: Final = 1 << 62
 _EDGE_STEPS: Final = 1 << 30
 FLAT: Final = 1e-6
@@ -116,17 +115,18 @@ def vertex_keys(
     place : (n, 2) int64
         Point in steps along edge_u and edge_v.
     grid : (n, 2) int64
-        Steps of the whole edges, below 2^21.
+        Steps of the whole edges, below 2^20 with a million patches and 2^27 with a hundred.
 
     Raises
     ------
     ValueError
-        When a side has too many steps, or there are too many sides.
+        When a side has too many steps for the number of sides.
     """
-    if int(grid.max(initial=0)) >= 1 << _BITS or int(side.max(initial=0)) >= 1 << (62 - 2 * _BITS):
-        raise ValueError("too many sides, or steps along an edge, to number their points")
+    bits = (62 - len(rims.region).bit_length()) // 2
+    if int(grid.max(initial=0)) >= 1 << bits:
+        raise ValueError(f"{grid.max()} steps along an edge are too many for the points of {len(rims.region)} sides")
     u, v = place[:, 0], place[:, 1]
-    key = (side << (2 * _BITS)) | (u << _BITS) | v
+    key = (side << (2 * bits)) | (u << bits) | v
     triangle = is_triangle[side // 2]
     edge, along, length = _on_edges(u, v, grid, triangle)
     rim = np.flatnonzero(edge != _NO_EDGE)
