@@ -16,7 +16,6 @@ from typing import Any, Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.cli.text import aligned
 from hradiosity.metrics.colorimetric import chromaticity, xyz
 from hradiosity.metrics.derived import DerivedNumbers
 from hradiosity.metrics.eye import RECEPTORS, daylight_efficacy_ratio
@@ -117,7 +116,8 @@ def table_lines(lines: Sequence[Line]) -> list[str]:
     for line in lines:
         cells = [f"{line.deviation[c]:.1e}" if c in line.deviation else "" for c in _COLUMNS]
         rows.append((line.light, *cells, ", ".join(line.outside)))
-    return aligned(rows)
+    widths = [max(len(row[k]) for row in rows) for k in range(len(rows[0]))]
+    return ["  ".join(cell.ljust(width) for cell, width in zip(row, widths)).rstrip() for row in rows]
 
 
 def main() -> None:

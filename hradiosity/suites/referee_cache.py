@@ -77,6 +77,8 @@ def scene_digest(scene: Scene) -> str:
         arrays += [lamp.exitance, lamp.intensity, np.array([lamp.two_sided])]
     for sensor in scene.sensors:
         arrays += [np.frombuffer(sensor.name.encode(), np.uint8), sensor.position, sensor.normal]
+        if sensor.parts is not None and sensor.parts.response is not None:
+            arrays.append(sensor.parts.response)
     if scene.sky is not None:
         arrays.append(scene.sky.radiance)
     for array in arrays:

@@ -4,6 +4,7 @@ The checker's own log must stay empty. The numbers are looked at as well: anothe
 """
 
 import os
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -11,6 +12,7 @@ import pytest
 from rooms import cube
 
 from hradiosity.model.scene import View
+from hradiosity.model.sensor_kinds import curved_sensor
 from hradiosity.options import Options
 from hradiosity.planning import make_plan
 from hradiosity.radiosity.record import Record
@@ -105,6 +107,39 @@ def test_a_replicate(device, bands):
     assert irradiance.shape == (2, bands)
     assert (irradiance > 0.0).all()
     assert (np.diff(irradiance, axis=1) >= 0.0).all()
+
+
+def test_readings_that_weigh_directions(device):
+    """Direct light and paths of a sphere's planes, by the solver and without bias."""
+    place = np.array([[0.8, 0.2, 0.5]])
+    ball = curved_sensor("ball", place, "spherical", axis=np.array([0.0, 0.0, 1.0]))
+    scene = replace(furnished_cube(1), sensors=(ball,))
+    options = Options(
+        element_size=1.0, rays_per_element=32, light_points=2, light_samples=2, gather_samples=4, replicates=2
+    )
+    lit = lit_fronts(scene)
+    plan = make_plan(scene, options, lit)
+    solver = SurfaceSolver(device, scene, build_bvh(device, scene.patches), lit, plan, options, Record())
+    few = np.full(4, 4)
+    samples = read_points(
+        solver.on_device,
+        solver.on_device_elements,
+        solver.replicate(1),
+        ball.position,
+        ball.normal,
+        light_samples=few,
+        gather_samples=few,
+        rules=PathRules(1, 0.5, 1.0),
+        seed=1,
+        response=ball.parts.response,
+    )
+    on_device = solver.on_device
+    paths = trace_referee(
+        on_device, scene, ball.position, ball.normal, paths=8, seed=1, scrambles=2, response=ball.parts.response
+    )
+    for found in (samples.irradiance, paths.irradiance):
+        assert np.isfinite(found).all()
+        assert found.sum() > 0.0
 
 
 def test_lamps_tried_by_chance(device, monkeypatch):

@@ -12,6 +12,7 @@ from hradiosity.device import Device
 from hradiosity.estimate import student_quantile
 from hradiosity.model.scene import Scene
 from hradiosity.radiosity.referee import scramble_moments
+from hradiosity.readings.composition import Composition
 from hradiosity.readings.path_scene import prepare_referee
 from hradiosity.readings.paths import ROUND_PATHS, SCRAMBLES, PathSums, PathTotals, RefereeSamples, trace_round
 from hradiosity.solution import Readings
@@ -40,9 +41,8 @@ class GrowingReference:
     def __init__(self, scene: Scene, device: Device, kept: RefereeSamples | None = None) -> None:
         self.cpu_seconds = 0.0
         self._scene, self._device = scene, device
-        self._position = np.concatenate([np.zeros((0, 3)), *(s.position for s in scene.sensors)])
-        self._normal = np.concatenate([np.zeros((0, 3)), *(s.normal for s in scene.sensors)])
-        self._totals = PathTotals(len(self._position), len(scene.bands))
+        self._planes = Composition(scene.sensors, scene)
+        self._totals = PathTotals(len(self._planes.position), len(scene.bands))
         on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=True)
         self._referee = prepare_referee(on_device, scene)
         self._step = max(1, round(1.0 / self._referee.direct_share))
@@ -65,11 +65,12 @@ class GrowingReference:
         self._totals.add(
             trace_round(
                 self._referee,
-                self._position,
-                self._normal,
+                self._planes.position,
+                self._planes.normal,
                 first_path=self._totals.paths,
                 n_paths=count,
                 seed=SEED,
+                response=self._planes.response,
             ),
             count,
         )
@@ -116,13 +117,13 @@ class GrowingReference:
         fits = seconds / self._seconds_per_path
         if fits < self._step:
             return 0
-        usual = ROUND_PATHS // max(len(self._position) * SCRAMBLES, 1)
+        usual = ROUND_PATHS // max(len(self._planes.position) * SCRAMBLES, 1)
         most = max(self._step, min(GROWTH * done, usual, int(ROUND_SHARE * fits)))
         return self._step * (1 << int(math.log2(most / self._step)))
 
     def _take(self, kept: RefereeSamples) -> None:
         """Count the paths of an earlier run."""
         done = kept.paths // SCRAMBLES
-        weights = kept.paths * len(self._position)
+        weights = kept.paths * len(self._planes.position)
         sums = PathSums(kept.per_scramble * done, kept.enclosed * kept.paths, kept.lost_weight * weights, kept.rays)
         self._totals.add(sums, done)

@@ -118,7 +118,7 @@ def _numbers(name: str, scene: Scene, truth: Truth, found: Sequence[Estimate]) -
     """Those of one kind that count: with light, in bands with light, of sensors with several readings."""
     value = truth.values[name]
     counts = np.isfinite(value) & (value != 0.0)
-    size = np.array([len(sensor.position) for sensor in scene.sensors])
+    size = np.array([sensor.n_readings for sensor in scene.sensors])
     if name in OF_SENSORS:
         counts &= size > 1
     elif name == "irradiance":

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hradiosity.device import Device
 from hradiosity.estimate import student_quantile
 from hradiosity.model.scene import Scene
+from hradiosity.readings.composition import Composition
 from hradiosity.readings.interval import RunningMoments
 from hradiosity.readings.numbers import ReadingNumbers
 from hradiosity.readings.paths import SCRAMBLES
@@ -50,9 +51,10 @@ def truth_of(wanted: CoverageScene, scene: Scene, device: Device, cache: Path | 
         cache.mkdir(parents=True, exist_ok=True)
     file = cache / f"{wanted.name}_{scene_digest(scene)[:16]}.npz" if cache is not None else None
     samples = referee_samples(scene, device, wanted.paths, seed=SEED, cache=file)
-    values = numbers.of(samples.irradiance)
+    planes = Composition(scene.sensors, scene)
+    values = numbers.of(planes.readings(samples.irradiance))
     moments = {name: RunningMoments(value.shape) for name, value in values.items()}
     for spectra in samples.per_scramble:
-        for name, value in numbers.of(spectra).items():
+        for name, value in numbers.of(planes.readings(spectra)).items():
             moments[name].add(value)
     return Truth(values, {name: spread.standard_error for name, spread in moments.items()})
