@@ -1,7 +1,7 @@
 """Spectral radiosity for lighting research.
 
 ``load_scene(path)``, ``solve(scene, Options(…))``, ``audit(solution)`` and the values they deal in;
-``compare(scene, [make_variant(scene, …)])`` for other paints and lamps;
+``compare(scene, [make_variant(scene, …)])`` for other paints and lamps; ``rate_glare(solution)`` for observers;
 ``form_factor(a, b)`` and ``form_factor_matrix(polygons)`` for those who need no more; the layers below are there for
 those who build on them.
 Nothing heavy is imported before it is used.
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from hradiosity.radiosity import compare as compare
     from hradiosity.radiosity import solve as solve
     from hradiosity.radiosity.auditing import audit as audit
+    from hradiosity.readings.glare import rate_glare as rate_glare
     from hradiosity.solution import Solution as Solution
     from hradiosity.transport.form_factor.interface import FormFactors as FormFactors
     from hradiosity.transport.form_factor.interface import form_factor as form_factor
@@ -40,6 +41,7 @@ _HOMES = {
     "form_factor_matrix": "hradiosity.transport.form_factor.interface",
     "load_scene": "hradiosity.io.scene_toml",
     "make_variant": "hradiosity.model.variants",
+    "rate_glare": "hradiosity.readings.glare",
     "solve": "hradiosity.radiosity",
 }
 
@@ -57,6 +59,7 @@ __all__ = [
     "form_factor_matrix",
     "load_scene",
     "make_variant",
+    "rate_glare",
     "solve",
 ]
 

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hradiosity.estimate import Estimate
-from hradiosity.model.scene import Scene
+from hradiosity.model.looking import luminance_sensor
+from hradiosity.model.scene import Scene, Sensor
 from hradiosity.plan import Plan
 from hradiosity.space.hierarchy import Elements
 
@@ -227,7 +228,7 @@ class Solution:
     replicates: int
     complete: bool
     record: Mapping[str, Any] = field(default_factory=dict)
-    reader: Callable[[NDArray[np.float64], NDArray[np.float64]], Readings] | None = None
+    reader: Callable[[Sensor], Readings] | None = None
     variants: Mapping[str, VariantReadings] = field(default_factory=dict)
 
     def read(self, points: ArrayLike, normals: ArrayLike) -> Readings:
@@ -249,8 +250,6 @@ class Solution:
         RuntimeError
             When the solution has no solver behind it.
         """
-        if self.reader is None:
-            raise RuntimeError("this solution was not made by a solver of this process; solve the scene to read it")
         position = np.atleast_2d(np.asarray(points, np.float64))
         normal = np.atleast_2d(np.asarray(normals, np.float64))
         for name, value in (("points", position), ("normals", normal)):
@@ -261,7 +260,50 @@ class Solution:
         length = np.linalg.norm(normal, axis=1, keepdims=True)
         if not (length > 0.0).all():
             raise ValueError("a normal of length 0 has no direction")
-        return self.reader(position, np.broadcast_to(normal / length, position.shape))
+        return self.read_sensor(Sensor("read", position, np.broadcast_to(normal / length, position.shape)))
+
+    def read_sensor(self, sensor: Sensor) -> Readings:
+        """Light at any further sensor, see `hradiosity.model.sensor_kinds` for those that are no planes.
+
+        Raises
+        ------
+        RuntimeError
+            When the solution has no solver behind it.
+        """
+        if self.reader is None:
+            raise RuntimeError("this solution was not made by a solver of this process; solve the scene to read it")
+        return self.reader(sensor)
+
+    def look(self, eye: ArrayLike, directions: ArrayLike, *, together: bool = False) -> Readings:
+        """Radiance and luminance of what is seen from an eye.
+
+        Its readings have the kind "luminance": ``irradiance`` is radiance [W m⁻² sr⁻¹ per band], ``illuminance``
+        luminance [cd m⁻²].
+
+        Parameters
+        ----------
+        eye : (3,) float [m]
+        directions : (n, 3) or (3,) float
+            Of any length but 0.
+        together : bool
+            One reading, the mean over all directions.
+
+        Raises
+        ------
+        ValueError
+            When shapes do not fit, something is not finite or a direction is 0.
+        RuntimeError
+            When the solution has no solver behind it.
+        """
+        place, ways = np.asarray(eye, np.float64), np.atleast_2d(np.asarray(directions, np.float64))
+        length = np.linalg.norm(ways, axis=1, keepdims=True)
+        if place.shape != (3,) or ways.shape[1:] != (3,) or not np.isfinite(place).all() or not np.isfinite(ways).all():
+            raise ValueError(f"an eye (3,) and directions (n, 3) are needed, not {place.shape} and {ways.shape}")
+        if not (length > 0.0).all():
+            raise ValueError("a vector of length 0 has no direction")
+        ways = ways / length
+        count = len(ways) if together else 1
+        return self.read_sensor(luminance_sensor("look", place, ways, count, ways[::count], self.scene))
 
     @property
     def exitance(self) -> NDArray[np.float64]:

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.io.results_drawing import compression, luminaire_exitances, side_luminaires, write_drawing
-from hradiosity.metrics.photometric import illuminance, luminance
+from hradiosity.metrics.photometric import illuminance, luminance, luminous_exitance
 from hradiosity.model.scene import Scene
 from hradiosity.solution import Solution
 from hradiosity.space.cells import cell_corners
@@ -29,6 +29,8 @@ UNITS = {
     "exitance": "W m-2 nm-1",
     "irradiance": "W m-2 nm-1",
     "radiance": "W m-2 sr-1 nm-1",
+    "radiant_exitance": "W m-2",
+    "luminous_exitance": "lm m-2",
     "illuminance": "lx",
     "luminance": "cd m-2",
     "wavelength": "nm",
@@ -101,6 +103,8 @@ def cell_arrays(solution: Solution) -> dict[str, NDArray[Any]]:
         "exitance": (exitance / bands.width).astype(np.float32),
         "irradiance": (irradiance / bands.width).astype(np.float32),
         "radiance": (exitance / bands.width / np.pi).astype(np.float32),
+        "radiant_exitance": exitance.sum(axis=1).astype(np.float32),
+        "luminous_exitance": luminous_exitance(exitance, bands).astype(np.float32),
         "luminance": luminance(exitance / np.pi, bands).astype(np.float32),
         "illuminance": illuminance(irradiance, bands).astype(np.float32),
         **cell_numbers(scene, elements),

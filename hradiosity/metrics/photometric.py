@@ -53,3 +53,19 @@ def luminance(radiance: NDArray[np.float64], bands: Bands) -> NDArray[np.float64
     """
     summed: NDArray[np.float64] = np.einsum("...b,b->...", radiance, luminous_weights(bands))
     return summed
+
+
+def luminous_exitance(exitance: NDArray[np.float64], bands: Bands) -> NDArray[np.float64]:
+    """Luminous exitance from exitance.
+
+    Parameters
+    ----------
+    exitance : (…, n_bands) float64 [W m⁻² per band]
+    bands : Bands
+
+    Returns
+    -------
+    (…) float64 [lm m⁻²]
+    """
+    summed: NDArray[np.float64] = np.einsum("...b,b->...", exitance, luminous_weights(bands))
+    return summed

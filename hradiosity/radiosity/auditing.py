@@ -253,7 +253,7 @@ def audited(solution: Solution, found: Audit) -> Solution:
         readings={name: readings.widened(factor) for name, readings in solution.readings.items()},
         variants={name: variant.widened(factor) for name, variant in solution.variants.items()},
         record={**solution.record, "audit": found.record()},
-        reader=None if reader is None else lambda position, normal: reader(position, normal).widened(factor),
+        reader=None if reader is None else lambda sensor: reader(sensor).widened(factor),
     )
 
 

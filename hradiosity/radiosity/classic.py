@@ -53,21 +53,25 @@ class ClassicSolver(RadiositySolver):
         self._lamps_in_view = lamps_in_view
         self._lights: list[ClassicLight] = []
 
-    def read(self, position: NDArray[np.float64], normal: NDArray[np.float64]) -> Readings:
-        """Light at further points, from the kept light of this process's replicates; see `Solution.read`.
+    def read(self, sensor: Sensor) -> Readings:
+        """Light at a further sensor, from the kept light of this process's replicates; see `Solution.read_sensor`.
 
         Raises
         ------
         RuntimeError
             Before two replicates are kept.
+        ValueError
+            For a sensor whose directions count unlike.
         """
+        if sensor.parts is not None and sensor.parts.response is not None:
+            raise ValueError(f"the classic mode reads planes, and {sensor.name!r} is {sensor.kind}")
         if len(self._lights) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        sensor, full = Sensor("read", position, normal), self.options.full_metrics
+        full = self.options.full_metrics
         moments = ReadingMoments((sensor,), self.scene.bands, full=full, scene=self.scene)
         for light in self._lights:
             self._gather(moments, light)
-        return moments.readings(self._prepare().shared_errors())["read"]
+        return moments.readings(self._prepare().shared_errors())[sensor.name]
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""

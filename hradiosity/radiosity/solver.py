@@ -170,8 +170,8 @@ class RadiositySolver:
             variants=self._readings.variants(self._prepare().shared_errors()),
         )
 
-    def read(self, position: NDArray[np.float64], normal: NDArray[np.float64]) -> Readings:
-        """Light at further points, from the kept light of this process's replicates; see `Solution.read`.
+    def read(self, sensor: Sensor) -> Readings:
+        """Light at a further sensor, from the kept light of this process's replicates; see `Solution.read_sensor`.
 
         Raises
         ------
@@ -180,12 +180,12 @@ class RadiositySolver:
         """
         if len(self._kept) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        sensor, full = Sensor("read", position, normal), self.options.full_metrics
+        full = self.options.full_metrics
         moments = ReadingMoments((sensor,), self.scene.bands, full=full, scene=self.scene)
         effort = self._plan_effort(moments, *self._kept[0])
         for elements, light, seed in self._kept:
             self._read(moments, elements, light, seed, effort)
-        return moments.readings(self._prepare().shared_errors())["read"]
+        return moments.readings(self._prepare().shared_errors())[sensor.name]
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs, by name; the arrays do not change when the run goes on."""

@@ -9,6 +9,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device import Device
 from hradiosity.metrics.glare import (
     LARGEST,
     SMALLEST,
@@ -20,8 +21,9 @@ from hradiosity.metrics.glare import (
 from hradiosity.metrics.photometric import luminance
 from hradiosity.model.geometry import NONE
 from hradiosity.model.scene import Scene, Sensor
-from hradiosity.solution import Readings
+from hradiosity.solution import Readings, Solution
 from hradiosity.space.bvh import Bvh
+from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.visibility import trace_closest
 
 POINTS: Final = 1024
@@ -81,6 +83,19 @@ class Glare:
     background: NDArray[np.float64]
     reason: tuple[str, ...]
     sources: Sources
+
+
+def rate_glare(solution: Solution, device: Device | None = None) -> dict[str, Glare]:
+    """UGR at every sensor of a solved scene that asks for it, by name; see `glare_of`.
+
+    Parameters
+    ----------
+    solution : Solution
+    device : Device, optional
+        That rays to luminaires are traced on.
+    """
+    bvh = build_bvh(device or Device(), solution.scene.patches)
+    return glare_of(solution.scene, solution.readings, bvh)
 
 
 def glare_of(scene: Scene, readings: Mapping[str, Readings], bvh: Bvh) -> dict[str, Glare]:

@@ -6,9 +6,12 @@ import json
 import numpy as np
 import pytest
 from cli_room import QUICK, ROOM
+from scene_writing import write
 
+import hradiosity
 from hradiosity.metrics.temperature import REASONS
 from hradiosity.model import photometry
+from hradiosity.model.sensor_kinds import curved_sensor
 from hradiosity.model.spectrum import Bands, Spectrum, band_integral, band_mean
 
 CUBE = """
@@ -243,3 +246,23 @@ def test_why_a_temperature_is_blank(everything):
     for name, count in told.items():
         assert count == sum(row["sensor"] == name and row["cct_reason"] != "0" for row in rows)
     assert set().union(*(found["cct_blank"] for found in record.values())) <= set(REASONS)
+
+
+def test_from_python(tmp_path, device):
+    """Looking somewhere, reading a sphere, rating glare; the same numbers as sensors of the file would have."""
+    folder = tmp_path / "cube"
+    folder.mkdir()
+    scene = hradiosity.load_scene(write(folder, CUBE.format(lamp="D65", reflectance="0.8")))
+    options = hradiosity.Options(element_size=0.25, rays_per_element=256, replicates=2, audit=False)
+    solution = hradiosity.solve(scene, options, device)
+    seen = solution.look([0.5, 0.5, 0.5], [[2, 0.4, 0.2], [0, 0, -3]])
+    np.testing.assert_allclose(seen.illuminance, 5000 / np.pi, rtol=1e-3)
+    assert seen.kind == "luminance"
+    together = solution.look([0.5, 0.5, 0.5], [[2, 0.4, 0.2], [0, 0, -3]], together=True)
+    np.testing.assert_allclose(together.illuminance, [seen.illuminance.mean()], rtol=1e-6)
+    ball = curved_sensor("ball", np.array([[0.5, 0.4, 0.3]]), "spherical", axis=np.array([0.0, 0.0, 1.0]))
+    np.testing.assert_allclose(solution.read_sensor(ball).illuminance, 5000, rtol=2e-3)
+    assert hradiosity.rate_glare(solution, device) == {}
+    for eye, directions in (([0, 0], [0, 0, 1]), ([0, 0, 0], [0, 0, 0]), ([0, 0, np.inf], [0, 0, 1])):
+        with pytest.raises(ValueError, match="direction"):
+            solution.look(eye, directions)
