@@ -5,9 +5,12 @@ from __future__ import annotations
 import io
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from hradiosity.show.log_ticks import plain_ticks
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
 
 STYLES: Final = (
     ("#0072B2", "o"),
@@ -44,11 +47,20 @@ class Panel:
 def draw_lines(panels: Sequence[Panel], title: str) -> str:
     """An ``<svg>`` document, panels beside each other; the same numbers give the same text."""
     import matplotlib
-    from matplotlib.backends.backend_svg import FigureCanvasSVG
+
+    figure = line_figure(panels, title)
+    out = io.StringIO()
+    fixed: dict[Any, Any] = {"svg.hashsalt": "hradiosity", "svg.fonttype": "path"}
+    with matplotlib.rc_context(fixed):
+        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
+    return out.getvalue()
+
+
+def line_figure(panels: Sequence[Panel], title: str) -> Figure:
+    """The same as a figure of matplotlib."""
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.2 * len(panels), 5.2), layout="constrained")
-    FigureCanvasSVG(figure)
     for number, panel in enumerate(panels):
         axes = figure.add_subplot(1, len(panels), number + 1)
         marked = 0
@@ -68,8 +80,4 @@ def draw_lines(panels: Sequence[Panel], title: str) -> str:
         plain_ticks(axes, both=True)
         axes.legend(fontsize=8.5, frameon=False)
     figure.suptitle(title)
-    out = io.StringIO()
-    fixed: dict[Any, Any] = {"svg.hashsalt": "hradiosity", "svg.fonttype": "path"}
-    with matplotlib.rc_context(fixed):
-        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": None})
-    return out.getvalue()
+    return figure

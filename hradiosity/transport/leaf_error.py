@@ -32,13 +32,14 @@ FROM_PARENT: Final = 0.5 * np.stack([_QUAD, _TRIANGLE])
 weights of its own corners and centre."""
 NEW: Final = FROM_PARENT.max(axis=3) < 1.0
 """(2, 4, 5): places of the children that the parent has no vertex at."""
-DECAY: Final = 0.5
-"""What is left of the error at a kink when edges are halved; smooth light leaves a quarter."""
+DECAY: Final = 0.35
+"""What is left of the error when edges are halved: a quarter in smooth light, half at a kink."""
 FAN: Final = 0.5
 """Root mean square over the leaf of the error of a fan, over what its centre differs from the mean of its corners, at
 a kink through the leaf."""
-UNSEEN: Final = 0.25
-"""Part of the range of light around that a leaf which is partly inside of something may be wrong by."""
+UNSEEN: Final = 0.12
+"""Part of the range of light around that a leaf which is partly inside of something may be wrong by; this and `DECAY`
+take the fewest leaves on the floor of the office."""
 
 
 ENOUGH: Final = 2
@@ -99,7 +100,7 @@ class LeafErrors:
         sure &= np.einsum("npq,nq->np", weights, self._known[above].astype(float)) > 1.0 - 1e-9
         missed = np.where(sure, self._light[nodes] - told, 0.0)
         mean_square = (missed**2).sum(axis=1) / np.maximum(sure.sum(axis=1), 1)
-        inherited = np.maximum(DECAY * np.sqrt(mean_square), 0.5 * DECAY * self._from_parent[above])
+        inherited = DECAY * np.maximum(np.sqrt(mean_square), 0.5 * self._from_parent[above])
         spread = np.maximum(self._spread(nodes), 0.5 * self._range[above])
         self._from_parent = np.concatenate([self._from_parent, inherited])
         self._range = np.concatenate([self._range, spread])

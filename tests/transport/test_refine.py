@@ -135,7 +135,7 @@ def test_leaves_follow_the_error_that_is_asked_for(device, point, exact):
         error = interpolated(scene, elements, shadow, points) - exact(points)
         return np.sqrt((error**2).mean()) / mean, int(shadow.leaves.is_leaf.sum())
 
-    wanted, level, fewer = (0.05, 4, 5) if point else (0.006, 3, 3)
+    wanted, level, fewer = (0.05, 4, 5) if point else (0.0045, 3, 3)
     error, few = rms(base_level=0, max_level=7, error=wanted)
     uniform, many = rms(base_level=level, max_level=level, light_samples=256)
     print(f"adaptive {error:.5f} with {few}, uniform {uniform:.5f} with {many}")
