@@ -1,0 +1,109 @@
+"""Two results: which fit together, what their difference looks like, and what is told of a place in both."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from hradiosity.errors import SceneError
+from hradiosity.io.results_reading import read_result
+from hradiosity.io.scene_drawing import draw_scene
+from hradiosity.show.window.difference import (
+    check_same_mesh,
+    difference,
+    difference_bytes,
+    difference_colours,
+    difference_scale,
+)
+from hradiosity.show.window.facts import facts_of, joined_facts
+from hradiosity.show.window.look import Look
+from hradiosity.show.window.picking import Picked
+from hradiosity.show.window.subject import Choices, Subject
+
+
+@pytest.fixture(scope="module")
+def pair(solved, darker):
+    first = Subject(read_result(solved[1]), Choices())
+    return first, Subject(read_result(darker), Choices(), like=first)
+
+
+def test_darker_walls_take_light(pair):
+    first, second = pair
+    check_same_mesh(first.drawn, second.drawn, ("a", "b"))
+    change = difference(first.values, second.values, "illuminance")
+    assert change.mean() < 0.0
+    np.testing.assert_array_equal(difference(first.values, first.values, "luminance"), 0.0)
+
+
+def test_two_results_have_one_exposure_and_one_scale(pair):
+    first, second = pair
+    for look in (Look(), Look(logarithmic=True, quantity="luminance", stops=1.0)):
+        assert first.luminance(look) == second.luminance(look)
+        assert first.scale(look) == second.scale(look)
+
+
+def test_the_scale_is_even_to_both_sides():
+    scale = difference_scale(np.array([-7.3, 2.0, 900.0]), np.array([True, True, False]), "illuminance")
+    assert scale.low == -scale.high
+    assert 7.0 < scale.high < 12.0
+    assert scale.ticks()[0] == scale.low and scale.ticks()[-1] == scale.high
+    colours = difference_bytes(np.array([scale.low, 0.0, scale.high]), scale)
+    assert colours[1].min() > 225, "nothing changed: near white"
+    assert colours[0, 2] > colours[0, 0] + 60, "less: blue"
+    assert colours[2, 0] > colours[2, 2] + 60, "more: brown"
+
+
+def test_the_colours_get_darker_to_both_sides():
+    luminance = difference_colours() ** 2.2 @ [0.2126, 0.7152, 0.0722]
+    middle = len(luminance) // 2
+    assert (np.diff(luminance[: middle + 1]) > 0.0).all()
+    assert (np.diff(luminance[middle:]) < 0.0).all()
+
+
+def test_colour_blind_eyes_tell_both_ends_apart():
+    """Protanopes and deuteranopes lack one of red and green; blue against the mean of both is left to them."""
+    ends = difference_colours()[[0, -1]] ** 2.2
+    blue_share = ends[:, 2] / ends.sum(axis=1)
+    assert blue_share[0] > 0.4 > 0.15 > blue_share[1]
+
+
+def test_what_does_not_fit_is_told(pair, room):
+    first, second = pair
+    other = replace(second.drawn, cells=replace(second.cells, corners=second.cells.corners + 0.1))
+    for drawn, words in ((other, "elsewhere"), (draw_scene(room), "scene")):
+        with pytest.raises(SceneError, match=words):
+            check_same_mesh(first.drawn, drawn, ("a", "b"))
+    fewer = {n: getattr(second.cells, n)[1:] for n in second.cells.__dataclass_fields__}
+    with pytest.raises(SceneError, match="other elements"):
+        check_same_mesh(first.drawn, replace(second.drawn, cells=type(second.cells)(**fewer)), ("a", "b"))
+
+
+def test_a_place_in_both_tells_what_differs(pair):
+    picked = Picked("cell", 5, np.zeros(3))
+    found = [facts_of(subject.drawn, subject.drawn.light, picked) for subject in pair]
+    both = dict(joined_facts(*found).lines)
+    assert " → " in both["illuminance"] and both["illuminance"].endswith(" lx")
+    assert " → " not in both["area"]
+    assert joined_facts(*found).curves[0].other is not None
+
+
+def test_facts_of_an_element_are_its_numbers(subject):
+    cell = 3
+    facts = facts_of(subject.drawn, subject.drawn.light, Picked("cell", cell, np.array([1.0, 2.0, 3.0])))
+    lines = dict(facts.lines)
+    assert float(lines["illuminance"].split()[0]) == pytest.approx(subject.values.flat.illuminance[cell], rel=1e-3)
+    assert float(lines["luminance"].split()[0]) == pytest.approx(subject.values.flat.xyz[cell, 1], rel=1e-3)
+    assert lines["point"] == "1.000, 2.000, 3.000 m"
+    assert [curve.name for curve in facts.curves] == ["irradiance", "radiance", "reflectance"]
+    assert "m²" in lines["area"] and "CCT" in lines and "x, y" in lines
+
+
+def test_facts_of_a_sensor_are_its_reading(subject, solved):
+    desk = solved[0].readings["desk"]
+    facts = facts_of(subject.drawn, subject.drawn.light, Picked("sensor", 4, np.zeros(3)))
+    value, _, half, unit = dict(facts.lines)["illuminance"].split()
+    assert facts.title == "desk [4]"
+    assert float(value) == pytest.approx(desk.illuminance[4], abs=0.06)
+    assert float(half) == pytest.approx(desk.illuminance_half_width[4], abs=0.06)
+    assert unit == "lx"
+    assert facts.curves[0].half_width is not None

@@ -1,0 +1,70 @@
+"""A small room, solved and written to disk, for the tests of the window."""
+
+from hradiosity.options import Options
+
+ROOM = """
+[scene]
+title = "Window <room>"
+unit = "m"
+bands = { first = 400, last = 720, step = 40 }
+
+[materials.wall]
+reflectance = { steps = [[380, 560, 0.3], [560, 740, 0.6]] }
+[materials.floor]
+reflectance = 0.2
+[materials.screen]
+reflectance = 0.5
+
+[luminaires.lamp]
+spectrum = { illuminant = "A" }
+luminous_flux_lm = 1000
+
+[[box]]
+name = "room"
+corner = [0.0, 0.0, 0.0]
+size = [3.0, 2.0, 2.5]
+inside = true
+faces = { sides = "wall", top = "wall", bottom = "floor" }
+
+[[rectangle]]
+name = "lamp"
+corner = [1.0, 0.5, 2.4]
+edge_u = [0.0, 1.0, 0.0]
+edge_v = [1.0, 0.0, 0.0]
+material = "wall"
+luminaire = "lamp"
+
+[[polygon]]
+name = "sail"
+vertices = [[0.5, 1.5, 0.4], [1.0, 1.5, 0.4], [0.5, 1.5, 1.2]]
+material = "screen"
+
+[[sensor]]
+name = "desk"
+kind = "grid"
+corner = [0.3, 0.3, 0.8]
+edge_u = [2.4, 0.0, 0.0]
+edge_v = [0.0, 1.4, 0.0]
+counts = [3, 2]
+
+[[view]]
+name = "door"
+position = [2.8, 0.2, 1.6]
+target = [0.5, 1.5, 0.8]
+size = [64, 48]
+
+[[view]]
+name = "corner"
+position = [0.2, 0.2, 2.2]
+target = [2.5, 1.8, 0.2]
+size = [64, 48]
+"""
+QUICK = Options(
+    element_size=0.4,
+    rays_per_element=64,
+    light_points=16,
+    gather_samples=16,
+    light_samples=8,
+    replicates=2,
+    refinement=False,
+)
