@@ -52,12 +52,13 @@ def scene_words(scene: Scene) -> Words:
 
 
 def sensor_points(sensors: tuple[Sensor, ...]) -> SensorPoints:
-    """All points of all sensors."""
+    """All readings of all sensors of light on something, as ``readings.csv`` has them."""
+    sensors = tuple(sensor for sensor in sensors if sensor.kind != "luminance")
     return SensorPoints(
-        sensor=tuple(sensor.name for sensor in sensors for _ in sensor.position),
-        index=np.concatenate([np.zeros(0, np.int64), *(np.arange(len(s.position)) for s in sensors)]).astype(np.int64),
-        position=np.concatenate([np.zeros((0, 3)), *(s.position for s in sensors)]),
-        normal=np.concatenate([np.zeros((0, 3)), *(s.normal for s in sensors)]),
+        sensor=tuple(sensor.name for sensor in sensors for _ in sensor.place),
+        index=np.concatenate([np.zeros(0, np.int64), *(np.arange(s.n_readings) for s in sensors)]).astype(np.int64),
+        position=np.concatenate([np.zeros((0, 3)), *(s.place for s in sensors)]),
+        normal=np.concatenate([np.zeros((0, 3)), *(s.direction for s in sensors)]),
     )
 
 
