@@ -13,6 +13,8 @@ def variant_lines(solution: Solution) -> list[str]:
     rows = [("variant", "sensor", "mean lx", "mean %", "uniformity")]
     for name, variant in solution.variants.items():
         for sensor, found in variant.differences.items():
+            if variant.readings[sensor].kind == "luminance":
+                continue
             numbers = found.numbers
             mean, relative, even = (
                 numbers[key] for key in ("mean_illuminance", "relative_mean_illuminance", "uniformity")

@@ -9,7 +9,7 @@ from hradiosity.cli.display import Display
 from hradiosity.cli.text import count, percent
 from hradiosity.estimate import student_quantile
 from hradiosity.io.output_folder import write_file
-from hradiosity.io.results_tables import readings_table, spectra_table
+from hradiosity.io.results_tables import luminances, luminances_table, readings_table, spectra_table
 from hradiosity.model.spectrum import Bands
 from hradiosity.radiosity.referee import Referee, RefereeState
 from hradiosity.readings.paths import SCRAMBLES
@@ -57,5 +57,7 @@ def write_referee(folder: Path, readings: Mapping[str, Readings], bands: Bands) 
         When a file can't be written.
     """
     write_file(folder / "referee_readings.csv", readings_table(readings, bands))
+    if luminances(readings):
+        write_file(folder / "referee_luminances.csv", luminances_table(readings, bands))
     write_file(folder / "referee_spectra.csv", spectra_table(readings, bands))
     write_file(folder / "referee_spectra_half_width.csv", spectra_table(readings, bands, half_width=True))

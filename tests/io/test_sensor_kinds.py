@@ -96,6 +96,7 @@ POINTS = 'kind = "points"\npositions = [[1, 1, 1]]\n'
         (GRID + 'spacing = "EN"', "spacing"),
         ('kind = "eye"\npositions = [[1, 1, 1]]\ngaze = [1, 0, 0]\nfield = { up = 0 }', "up"),
         ('kind = "eye"\npositions = [[1, 1, 1]]\ngaze = [1, 0, 0]\nfield = { over = 5 }', "over"),
+        ('kind = "eye"\npositions = [[1, 1, 1]]\ngaze = [1, 0, 0]\nglare = true\nfield = { up = 9 }', "glare"),
         ('kind = "luminance"\nview = "b"', "no view 'b'"),
         ('kind = "luminance"\nview = "a"\nvoid = 1', "void"),
         ('kind = "luminance"\nview = "a"\npixels = [50, 0, 50, 20]', "no rectangle"),
