@@ -48,13 +48,20 @@ class Cells:
         a, b, c, d = (self.corners[:, k] for k in range(4))
         return np.asarray(np.cross(c - a, d - b))
 
-    @property
+    @cached_property
+    def bounds(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Lowest and highest corner (3,) of all cells [m]; the unit cube's where there are none."""
+        if not len(self):
+            return np.zeros(3), np.ones(3)
+        return self.corners.min(axis=(0, 1)), self.corners.max(axis=(0, 1))
+
+    @cached_property
     def area(self) -> NDArray[np.float64]:
         """(n,) [m²]."""
         area: NDArray[np.float64] = 0.5 * np.linalg.norm(self._cross, axis=1)
         return area
 
-    @property
+    @cached_property
     def normal(self) -> NDArray[np.float64]:
         """(n, 3) unit, towards who sees the cell; 0 for cells without area."""
         length = np.linalg.norm(self._cross, axis=1, keepdims=True)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from typing import Any, Final
 
@@ -10,7 +11,8 @@ from hradiosity.show.window.viewer import Viewer
 
 CLICK: Final = 4
 """Pixels by which the mouse may move while a button is down for that to be a click."""
-_TICK_MS: Final = 250
+TICK: Final = 0.25
+"""Seconds between two looks at a run that is followed."""
 
 
 class Events:
@@ -29,6 +31,8 @@ class Events:
         self._from: tuple[int, int] | None = None
         self._moved = 0
         self._moving = False
+        self._drawing_due = False
+        self._ticked = 0.0
         from vtkmodules.vtkRenderingCore import vtkRenderWindowInteractor
 
         # VTK's type hints know neither events by name nor that there may be no style.
@@ -55,7 +59,7 @@ class Events:
     def run(self) -> None:
         """Until the window is closed."""
         self._interactor.Initialize()
-        self._interactor.CreateRepeatingTimer(_TICK_MS)
+        self._interactor.CreateRepeatingTimer(round(1000.0 * TICK))
         self._viewer.redraw()
         self._interactor.Start()
 
@@ -70,7 +74,8 @@ class Events:
         self._moved += abs(dx) + abs(dy)
         if self._moved > CLICK:
             self._from = x, y
-            self._viewer.drag(dx, dy, move=self._moving)
+            self._viewer.drag(dx, dy, move=self._moving, draw=False)
+            self._draw_soon()
 
     def _release(self) -> None:
         if self._from is not None and self._moved <= CLICK:
@@ -84,6 +89,17 @@ class Events:
         if self._viewer.closed:
             self._interactor.TerminateApp()
 
+    def _draw_soon(self) -> None:
+        """Draw once all that the mouse did meanwhile is known: it moves more often than slow cards draw."""
+        if not self._drawing_due:
+            self._drawing_due = True
+            self._interactor.CreateOneShotTimer(1)
+
     def _on_time(self) -> None:
-        if self._tick is not None:
+        if self._drawing_due:
+            self._drawing_due = False
+            self._viewer.redraw()
+        now = time.monotonic()
+        if self._tick is not None and now - self._ticked > 0.8 * TICK:
+            self._ticked = now
             self._tick()

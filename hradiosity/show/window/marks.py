@@ -38,10 +38,9 @@ def joined(*parts: Lines) -> Lines:
 
 
 def scene_size(cells: Cells) -> float:
-    """Diagonal of all cells [m]; 1 where there are none."""
-    if not len(cells):
-        return 1.0
-    return max(float(np.linalg.norm(cells.corners.max(axis=(0, 1)) - cells.corners.min(axis=(0, 1)))), 1e-9)
+    """Diagonal of the box around all cells [m]."""
+    low, high = cells.bounds
+    return max(float(np.linalg.norm(high - low)), 1e-9)
 
 
 def arrows(start: NDArray[np.float64], direction: NDArray[np.float64], length: float) -> Lines:

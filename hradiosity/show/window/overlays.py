@@ -40,6 +40,7 @@ class Overlays:
         window.AddRenderer(layer)
         self._actors = {name: ImageActor(layer) for name in ("buttons", "legend", "facts", "status", "help")}
         self._shown: dict[str, Hashable] = {}
+        self._heights: dict[str, int] = {}
         self._bar = toolbar(frozenset(), 1000)
 
     def button_at(self, x: float, y: float) -> Button | None:
@@ -49,37 +50,50 @@ class Overlays:
     def update(self, viewer: Viewer) -> None:
         """Show what the viewer's state calls for."""
         width, height = viewer.size
-        self._bar = toolbar(chosen_commands(viewer), width - 2 * _GAP)
-        self._put("buttons", (chosen_commands(viewer), width, height), lambda: self._bar.pixels, _GAP, _GAP, height)
+        chosen = chosen_commands(viewer)
+        if self._shown.get("buttons") != (chosen, width, height):
+            self._bar = toolbar(chosen, width - 2 * _GAP)
+        self._put("buttons", (chosen, width, height), lambda: self._bar.pixels, lambda _: (_GAP, _GAP), height)
+        below = self._bar.pixels.shape[0] + 2 * _GAP
         if viewer.legend is None:
             self._hide("legend")
         else:
-            scale, note = viewer.legend.scale, viewer.legend.note
-            pixels = scale_legend(scale, min(_LEGEND_HEIGHT, height - 100), viewer.legend.colours, note)
-            left = width - pixels.shape[1] - _GAP
+            scale, note, colours = viewer.legend.scale, viewer.legend.note, viewer.legend.colours
+            room = min(_LEGEND_HEIGHT, height - 100)
             self._put(
                 "legend",
-                (scale, note, width, height),
-                lambda: pixels,
-                left,
-                self._bar.pixels.shape[0] + 2 * _GAP,
+                (scale, note, width, height, below),
+                lambda: scale_legend(scale, room, colours, note),
+                lambda legend: (width - legend.shape[1] - _GAP, below),
                 height,
             )
         words = status_words(viewer)
-        status = words_sheet(words, width - 2 * _GAP)
-        top = height - status.shape[0] - _GAP
-        self._put("status", (words, width, height), lambda: status, _GAP, top, height)
-        facts = viewer.facts()
+        self._put(
+            "status",
+            (words, width, height),
+            lambda: words_sheet(words, width - 2 * _GAP),
+            lambda status: (_GAP, height - status.shape[0] - _GAP),
+            height,
+        )
+        facts, rise = viewer.facts(), self._heights["status"]
         if facts is None:
             self._hide("facts")
         else:
-            panel = facts_panel(facts, viewer.curve)
-            place = top - panel.shape[0] - _GAP
-            self._put("facts", (facts.title, facts.lines, viewer.curve, height), lambda: panel, _GAP, place, height)
+            self._put(
+                "facts",
+                (facts.title, facts.lines, viewer.curve, height, rise),
+                lambda: facts_panel(facts, viewer.curve),
+                lambda panel: (_GAP, height - rise - panel.shape[0] - 2 * _GAP),
+                height,
+            )
         if viewer.help_shown:
-            page = help_panel()
-            left, upper = (width - page.shape[1]) // 2, (height - page.shape[0]) // 2
-            self._put("help", (width, height), lambda: page, left, upper, height)
+            self._put(
+                "help",
+                (width, height),
+                help_panel,
+                lambda page: ((width - page.shape[1]) // 2, (height - page.shape[0]) // 2),
+                height,
+            )
         else:
             self._hide("help")
 
@@ -88,11 +102,19 @@ class Overlays:
         self._actors[name].hide()
 
     def _put(
-        self, name: str, key: Hashable, make: Callable[[], NDArray[np.uint8]], left: int, top: int, height: int
+        self,
+        name: str,
+        key: Hashable,
+        make: Callable[[], NDArray[np.uint8]],
+        place: Callable[[NDArray[np.uint8]], tuple[int, int]],
+        height: int,
     ) -> None:
+        """Show an image at its place in a window of that height, unless it is there already by its key."""
         if self._shown.get(name) != key:
             self._shown[name] = key
-            self._actors[name].show(make(), left, top, height)
+            pixels = make()
+            self._heights[name] = pixels.shape[0]
+            self._actors[name].show(pixels, *place(pixels), height)
 
 
 def chosen_commands(viewer: Viewer) -> frozenset[str]:
@@ -156,7 +178,7 @@ def _section_words(viewer: Viewer) -> str:
     section, cells = viewer.look.section, viewer.subject.cells
     if section is None or not len(cells):
         return ""
-    low, high = cells.corners[..., section.axis].min(), cells.corners[..., section.axis].max()
+    low, high = (float(corner[section.axis]) for corner in cells.bounds)
     kept = ">" if section.flipped else "<"
     return f"section {AXES[section.axis]} {kept} {low + section.share * (high - low):.2f} m"
 

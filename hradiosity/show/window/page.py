@@ -58,7 +58,7 @@ def page_data(subject: Subject, look: Look, pose: Pose, title: str) -> dict[str,
     modes = [mode for mode in MODES if mode not in ("wireframe", "false-color")]
     colours = {mode: packed(subject.paint(Look(mode=mode, stops=look.stops)).colours) for mode in modes}
     corners = cells.corners
-    whole = overview(corners.min(axis=(0, 1)), corners.max(axis=(0, 1)), 1.6) if len(cells) else pose
+    whole = overview(*cells.bounds, 1.6)
     data: dict[str, Any] = {
         "title": title,
         "solved": values is not None,

@@ -25,6 +25,15 @@ _BUTTON: Final[Rgba] = (60, 64, 72, 235)
 _BUTTON_CHOSEN: Final[Rgba] = (222, 200, 90, 235)
 
 
+@dataclass(frozen=True)
+class Legend:
+    """Of colours that stand for numbers: scale, colours if they are not those of pictures, and a note."""
+
+    scale: Scale
+    colours: NDArray[np.float64] | None
+    note: str
+
+
 def facts_panel(facts: Facts, curve: int) -> NDArray[np.uint8]:
     """(h, w, 4) what was picked, and the spectrum that is chosen of its curves."""
     room = CHART_HEIGHT if facts.curves else 0

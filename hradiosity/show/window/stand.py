@@ -123,8 +123,8 @@ def cut_plane(cells: Cells, section: Section | None) -> CutPlane | None:
     """The plane of a section through all cells."""
     if section is None or not len(cells):
         return None
-    low, high = cells.corners[..., section.axis].min(), cells.corners[..., section.axis].max()
-    place = float(low + section.share * (high - low))
+    low, high = (float(corner[section.axis]) for corner in cells.bounds)
+    place = low + section.share * (high - low)
     normal = np.eye(3)[section.axis]
     return CutPlane(-normal, -place) if section.flipped else CutPlane(normal, place)
 

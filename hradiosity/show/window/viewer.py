@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from typing import Final
 
@@ -22,21 +22,13 @@ from hradiosity.show.window.look import Look
 from hradiosity.show.window.marks import scene_size
 from hradiosity.show.window.navigation import STEP, Pose, overview, pose_of_view
 from hradiosity.show.window.overlays import Overlays
+from hradiosity.show.window.panels import Legend
 from hradiosity.show.window.picking import Picked, pick
 from hradiosity.show.window.stage import open_window, window_pixels
 from hradiosity.show.window.stand import Stand, cut_plane
 from hradiosity.show.window.subject import Paint, Subject
 
 SIZE: Final = (1280, 800)
-
-
-@dataclass(frozen=True)
-class Legend:
-    """Of colours that stand for numbers: scale, colours if they are not those of pictures, and a note."""
-
-    scale: Scale
-    colours: NDArray[np.float64] | None
-    note: str
 
 
 class Viewer:
@@ -71,6 +63,7 @@ class Viewer:
         self.stands = [Stand(r, s) for r, s in zip(renderers, subjects, strict=True)]
         self.overlays = Overlays(self.window)
         self._picked: list[Picked | None] = []
+        self._facts: Facts | None = None
         self.curve = 0
         self.walking = False
         self.help_shown = False
@@ -116,7 +109,7 @@ class Viewer:
 
     def unpick(self) -> None:
         """Forget what was picked."""
-        self._picked = []
+        self._take_picks([])
         for stand in self.stands:
             stand.mark(None)
 
@@ -182,7 +175,7 @@ class Viewer:
             return
         width, height = self.part_size
         place = x - width if self.split and x >= width else x, y
-        self._picked = [self._pick(stand, place, (width, height)) for stand in self.stands]
+        self._take_picks([self._pick(stand, place, (width, height)) for stand in self.stands])
         self.curve = 0
         for stand, picked in zip(self.stands, self._picked, strict=True):
             stand.mark(picked)
@@ -198,8 +191,8 @@ class Viewer:
         """In the first subject that shows something there."""
         return next((picked for picked in self._picked if picked is not None), None)
 
-    def drag(self, dx: float, dy: float, *, move: bool) -> None:
-        """Turn or move by pixels to the right and upwards."""
+    def drag(self, dx: float, dy: float, *, move: bool, draw: bool = True) -> None:
+        """Turn or move by pixels to the right and upwards, and draw unless somebody else does that soon."""
         height = self.part_size[1]
         if move:
             metres = 2.0 * self.pose.distance * np.tan(0.5 * self.pose.angle) / height
@@ -209,7 +202,8 @@ class Viewer:
             self.pose = self.pose.turned(dx * angle, -dy * angle)
         else:
             self.pose = self.pose.orbited(-np.pi * dx / height, np.pi * dy / height)
-        self.redraw()
+        if draw:
+            self.redraw()
 
     def wheel(self, notches: float) -> None:
         """Nearer or farther; ahead or back on foot."""
@@ -221,6 +215,14 @@ class Viewer:
 
     def facts(self) -> Facts | None:
         """About what was picked; of both results where two are shown."""
+        return self._facts
+
+    def _take_picks(self, picks: list[Picked | None]) -> None:
+        """What was picked in each subject, and what is known of it."""
+        self._picked = picks
+        self._facts = self._find_facts()
+
+    def _find_facts(self) -> Facts | None:
         pairs = [
             (stand.subject.drawn, picked) for stand, picked in zip(self.stands, self._picked) if picked is not None
         ]
@@ -238,9 +240,10 @@ class Viewer:
         if stand.subject.cells is not seen.drawn.cells or (seen.settled and not self._settled):
             drawn = replace(seen.drawn, views=seen.drawn.views or keep.views, sensors=keep.sensors)
             stand.take_subject(Subject(drawn, stand.subject.choices))
-            self._picked = []
+            self._take_picks([])
         elif seen.drawn.light is not None:
             stand.subject.take_light(seen.drawn.light)
+            self._take_picks(self._picked)
         self._settled = seen.settled
         self.running = seen.words
         self.refresh()
@@ -248,7 +251,8 @@ class Viewer:
     def take_result(self, drawn: Drawn, words: str) -> None:
         """Show the result that a followed run ended with."""
         self.stands[0].take_subject(Subject(drawn, self.subject.choices))
-        self._picked, self.running = [], words
+        self.running = words
+        self._take_picks([])
         self.refresh()
 
     @property
@@ -289,8 +293,6 @@ class Viewer:
 
     def overview(self) -> Pose:
         """All of the scene from outside."""
-        corners = self.subject.cells.corners
+        low, high = self.subject.cells.bounds
         width, height = self.part_size
-        if not len(corners):
-            return overview(np.zeros(3), np.ones(3), width / height)
-        return overview(corners.min(axis=(0, 1)), corners.max(axis=(0, 1)), width / height)
+        return overview(low, high, width / height)
