@@ -169,7 +169,7 @@ def _grid_counts(
 def _eye_sensor(table: EyeSensor, location: Location, frame: Frame, report: Report) -> Sensor:
     eyes = replace(_eyes(table, location, frame, report), glare=table.glare)
     if table.glare and table.field is not None:
-        report.fault((*location, "glare"), "with a `field`", "UGR is defined for light from all of the hemisphere ahead")
+        report.fault((*location, "glare"), "with a `field`", "UGR is for light from all of the hemisphere ahead")
     if table.field is None:
         return eyes
     limits = table.field
