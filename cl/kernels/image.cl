@@ -1,9 +1,9 @@
 /* Images: what the pixels of a picture see, with direct light computed there and reflected light gathered from the
    solution. All bands. */
 #include "include/hr_camera.h"
-#include "include/hr_columns.h"
 #include "include/hr_guide.h"
 #include "include/hr_image.h"
+#include "include/hr_image_spectra.h"
 #include "include/hr_path_steps.h"
 
 /* Hits of a gathering path that are lit explicitly, at most; as in readings. */
@@ -21,56 +21,9 @@
 #define HR_SUM_SURFACE 8u
 #define HR_SUMS 9u
 
-HR_FORCE_INLINE void hr_set(float8 *spectrum, const float value)
-{
-#pragma unroll
-    for (uint g = 0; g < HR_GROUPS; ++g)
-        spectrum[g] = (float8)(value);
-}
-
-/* spectrum *= factor * row of a table. */
-HR_FORCE_INLINE void hr_multiply(float8 *spectrum, const float factor, __global const float *table, const uint row)
-{
-#pragma unroll
-    for (uint g = 0; g < HR_GROUPS; ++g)
-        spectrum[g] *= factor * ((hr_groups_in)table)[(size_t)row * HR_GROUPS + g];
-}
-
-/* light += gain * weight * row of a table. */
-HR_FORCE_INLINE void hr_add_spectrum(float8 *light, const float gain, const float8 *weight,
-                                     __global const float *table, const uint row)
-{
-#pragma unroll
-    for (uint g = 0; g < HR_GROUPS; ++g)
-        light[g] += gain * weight[g] * ((hr_groups_in)table)[(size_t)row * HR_GROUPS + g];
-}
-
-/* Sum over the bands of a row of a table times the light. */
-HR_FORCE_INLINE float hr_weighted(__global const float *table, const uint row, const float8 *light)
-{
-    float8 sum = (float8)(0.0f);
-#pragma unroll
-    for (uint g = 0; g < HR_GROUPS; ++g)
-        sum += ((hr_groups_in)table)[(size_t)row * HR_GROUPS + g] * light[g];
-    const float4 pairs = sum.lo + sum.hi;
-    return (pairs.x + pairs.y) + (pairs.z + pairs.w);
-}
-
-/* Adds what the clear lamps of a row send to a point by their closed forms. */
-HR_FORCE_INLINE void hr_add_clear_lamps(float8 *light, const float8 *weight, const float3 x, const float3 n,
-                                        const uint own, const uint row, __global const uint *clear_lamps,
-                                        __global const float *emission, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
-{
-    if (!HR_IS_ROW(row))
-        return;
-    __global const uint *lamps = clear_lamps + (size_t)row * HR_CLEAR_LAMPS;
-    for (uint k = 0; k < HR_CLEAR_LAMPS && lamps[k] != HR_NONE; ++k)
-        if (emitter_patch[lamps[k]] != own || own == HR_NONE)
-            hr_add_spectrum(light, hr_emitter_factor(x, n, lamps[k], HR_EMITTER, HR_PATCH), weight, emission, lamps[k]);
-}
-
-/* Sums over the samples of pixels, spread evenly over each. At the point that a sample shows, one lamp is tried, and one path gathers reflected light until it looks the solution up, as paths of readings do. With HR_SPECTRA
-   sums of the exitance spectra too. Paths start along the guide of the row element that they leave. */
+/* Sums over the samples of pixels, spread evenly over each. At the point that a sample shows, one lamp is tried, and
+   HR_PATHS paths gather reflected light until they look the solution up, as paths of readings do; they start along the
+   guide of the row element that they leave. With HR_SPECTRA sums of the exitance spectra too. */
 __kernel void image_samples(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const uint *cell_divisions,  /* see HR_ELEMENT_PARAMS                      */
                             __global const uint *side_first_cell, /* the same                                   */

@@ -22,6 +22,8 @@ from hradiosity.readings.path_tracing import PathRules, upload_points
 from hradiosity.readings.paths import trace_referee
 from hradiosity.readings.sensors import read_points
 from hradiosity.show.camera import trace_view
+from hradiosity.show.image import gather_image
+from hradiosity.solution import Solution
 from hradiosity.solvers.link_operator import LinkOperator
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.hierarchy import build_elements
@@ -107,6 +109,20 @@ def test_a_replicate(device, bands):
     assert irradiance.shape == (2, bands)
     assert (irradiance > 0.0).all()
     assert (np.diff(irradiance, axis=1) >= 0.0).all()
+
+
+def test_an_image(device):
+    """Tables and pixels with spectra, from a solution without readings; a lamp, a solid and a guide each."""
+    scene, lit = replace(furnished_cube(1), sensors=()), lit_fronts(furnished_cube(1))
+    options = Options(element_size=1.0, rays_per_element=32, light_points=2, replicates=2)
+    plan = make_plan(scene, options, lit)
+    solver = SurfaceSolver(device, scene, build_bvh(device, scene.patches), lit, plan, options, Record())
+    solver.replicate(1)
+    record = {"options": {"seed": 0}}
+    solution = Solution(scene, plan, solver.elements, solver.surfaces(), {}, 1, True, record)
+    view = View("v", np.array([0.1, 0.1, 0.5]), np.array([0.8, 0.7, -0.2]), np.array([0.0, 0.0, 1.0]), 80.0, 4, 3)
+    image = gather_image(solution, device, view, samples=4, spectra=True, on_device=solver.on_device)
+    assert image.spectrum.shape == (3, 4, 1) and (image.xyz[..., 1] > 0.0).all()
 
 
 def test_readings_that_weigh_directions(device):

@@ -1,0 +1,1 @@
+"""Images beside path-traced ones of the same view: how far they are apart, and where."""
