@@ -81,9 +81,12 @@ class Overlays:
         else:
             self._put(
                 "facts",
-                (facts.title, facts.lines, viewer.curve, height, rise),
+                (facts.title, facts.lines, viewer.curve, viewer.facts_right, width, height, rise),
                 lambda: facts_panel(facts, viewer.curve),
-                lambda panel: (_GAP, height - rise - panel.shape[0] - 2 * _GAP),
+                lambda panel: (
+                    width - panel.shape[1] - _GAP if viewer.facts_right else _GAP,
+                    height - rise - panel.shape[0] - 2 * _GAP,
+                ),
                 height,
             )
         if viewer.help_shown:

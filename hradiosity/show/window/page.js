@@ -305,17 +305,21 @@ function showFacts(title, facts, values, half) {
   if (values) chart(box.appendChild(document.createElement("canvas")), values, half);
   box.style.display = "block";
 }
+function roundUp(value) {
+  const decade = 10 ** Math.floor(Math.log10(value));
+  return decade * [1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10].find((m) => decade * m >= value * (1 - 1e-9));
+}
 function chart(sheet, values, half) {
   sheet.width = 380, sheet.height = 180;
   const g = sheet.getContext("2d"), { lower, upper } = DATA.bands, [left, top, w, h] = [56, 22, 316, 124];
-  const high = Math.max(...values.map((v, k) => v + (half ? half[k] : 0)), 1e-30) * 1.05;
+  const high = roundUp(Math.max(...values.map((v, k) => v + (half ? half[k] : 0)), 1e-30));
   const first = lower[0], last = upper[upper.length - 1];
   const X = (v) => left + w * (v - first) / (last - first), Y = (v) => top + h * (1 - Math.max(v, 0) / high);
   g.fillStyle = "#26292f", g.fillRect(left, top, w, h);
   g.font = "11px sans-serif", g.fillStyle = "#f0f0f0";
   g.fillText(half ? "irradiance [W m⁻² nm⁻¹] ± 95 % interval" : "irradiance [W m⁻² nm⁻¹]", 4, 12);
   g.fillStyle = "#a5a8af", g.textAlign = "right";
-  for (let k = 0; k <= 4; k++) g.fillText((high * k / 4).toPrecision(2), left - 5, Y(high * k / 4) + 4);
+  for (let k = 0; k <= 4; k++) g.fillText(Number((high * k / 4).toPrecision(3)).toString(), left - 5, Y(high * k / 4) + 4);
   g.textAlign = "center";
   for (let v = Math.ceil(first / 50) * 50; v <= last; v += 50) g.fillText(v, X(v), top + h + 14);
   g.fillText("wavelength [nm]", left + w / 2, top + h + 29);

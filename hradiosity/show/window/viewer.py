@@ -65,6 +65,7 @@ class Viewer:
         self._picked: list[Picked | None] = []
         self._facts: Facts | None = None
         self.curve = 0
+        self.facts_right = False
         self.walking = False
         self.help_shown = False
         self.running = ""
@@ -176,7 +177,7 @@ class Viewer:
         width, height = self.part_size
         place = x - width if self.split and x >= width else x, y
         self._take_picks([self._pick(stand, place, (width, height)) for stand in self.stands])
-        self.curve = 0
+        self.curve, self.facts_right = 0, x < 0.45 * self.size[0]
         for stand, picked in zip(self.stands, self._picked, strict=True):
             stand.mark(picked)
         self.redraw()

@@ -209,6 +209,14 @@ def test_without_a_display_one_line_says_so(refused, solved, monkeypatch):
     assert "does not answer" in refused(solved[1])
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="elsewhere windows do not depend on a variable")
+def test_a_run_with_a_window_does_not_start_without_a_display(room_file, tmp_path, monkeypatch, capsys):
+    monkeypatch.delenv("DISPLAY", raising=False)
+    assert main(["render", str(room_file), "-o", str(tmp_path / "out"), "--view"]) == 2
+    assert "no display" in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
 def test_what_can_t_be_shown_is_told(refused, solved, room_file, tmp_path):
     shot = ("--screenshot", tmp_path / "a.png")
     assert "no such file" in refused(tmp_path / "nothing", *shot)
