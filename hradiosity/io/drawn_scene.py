@@ -126,15 +126,19 @@ class SensorPoints:
 
     sensor : (n,) names
     index : (n,) int64, in its sensor
-    position, normal : (n, 3) float64
-    numbers : columns of ``readings.csv`` by name, (n,) float64; empty for a scene
-    spectra : () → spectral irradiance and its half width, (n, n_bands) [W m⁻² nm⁻¹] each; None for a scene
+    position, normal : (n, 3) float64; of a cylinder its axis, of a luminance the line of sight
+    looks : (n,) bool, light that is looked at, and not light on something
+    numbers : columns of ``readings.csv`` and ``luminances.csv`` by name, (n,) float64, NaN where a reading has no such
+        number; empty for a scene
+    spectra : () → spectral irradiance [W m⁻² nm⁻¹], or radiance [W m⁻² sr⁻¹ nm⁻¹] of what is looked at, and its half
+        width, (n, n_bands) each, NaN where that is not told; None for a scene
     """
 
     sensor: tuple[str, ...]
     index: NDArray[np.int64]
     position: NDArray[np.float64]
     normal: NDArray[np.float64]
+    looks: NDArray[np.bool_]
     numbers: Mapping[str, NDArray[np.float64]] = field(default_factory=dict)
     spectra: Callable[[], tuple[NDArray[np.float64], NDArray[np.float64]]] | None = None
 

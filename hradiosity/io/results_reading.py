@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 import json
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -23,7 +24,9 @@ from hradiosity.model.spectrum import Bands
 if TYPE_CHECKING:
     import h5py
 
-READINGS_FILE, SPECTRA_FILE, WIDTHS_FILE = "readings.csv", "spectra.csv", "spectra_half_width.csv"
+READINGS_FILE, LUMINANCES_FILE = "readings.csv", "luminances.csv"
+_SPECTRA_FILES = (("spectra.csv", "spectra_half_width.csv"), ("radiances.csv", "radiances_half_width.csv"))
+"""Spectra and their half widths, of either; those of radiances are not written."""
 PICTURES_FILE = Path("pictures", "pictures.json")
 _RENDER_AGAIN = "render the scene again with this version"
 
@@ -158,44 +161,69 @@ def _read_light(opened: h5py.File, cells: Cells, bands: Bands) -> Light | None:
 
 def no_sensors() -> SensorPoints:
     """Of a file without readings."""
-    return SensorPoints((), np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3)))
+    return SensorPoints((), np.zeros(0, np.int64), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, np.bool_))
 
 
 def read_sensor_points(folder: Path, n_bands: int) -> SensorPoints:
-    """From the tables of a result; none where it has none.
+    """From the tables of a result, luminances after irradiances; none where it has none.
 
     Raises
     ------
     SceneError
         When a table is damaged.
     """
-    file = folder / READINGS_FILE
-    if not file.is_file():
+    tables = [_read_readings(folder / name) for name in (READINGS_FILE, LUMINANCES_FILE) if (folder / name).is_file()]
+    if not tables:
         return no_sensors()
-    header, rows = _table(file)
-    if tuple(header[: len(PLACE_COLUMNS)]) != PLACE_COLUMNS:
-        raise SceneError([Fault(str(file), "", "its columns are not those of readings", _RENDER_AGAIN)])
-    values = _numbers(file, rows, 1, len(header))
+    count = [len(table.sensor) for table in tables]
+    names = dict.fromkeys(name for table in tables for name in table.numbers)
+    blank = [np.full(n, np.nan) for n in count]
+    files = _SPECTRA_FILES if (folder / READINGS_FILE).is_file() else _SPECTRA_FILES[1:]
 
     @cache
     def spectra() -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        first, second = (_spectra(folder / name, len(rows), n_bands) for name in (SPECTRA_FILE, WIDTHS_FILE))
-        return first, second
+        value, half_width = (
+            np.concatenate([_spectra(folder / pair[k], n, n_bands) for pair, n in zip(files, count)]) for k in (0, 1)
+        )
+        return value, half_width
 
     return SensorPoints(
-        sensor=tuple(row[0] for row in rows),
-        index=values[:, 0].astype(np.int64),
-        position=values[:, 1:4],
-        normal=values[:, 4:7],
-        numbers={name: values[:, column] for column, name in enumerate(header[1:]) if name not in PLACE_COLUMNS},
+        sensor=tuple(name for table in tables for name in table.sensor),
+        index=np.concatenate([table.place[:, 0] for table in tables]).astype(np.int64),
+        position=np.concatenate([table.place[:, 1:4] for table in tables]),
+        normal=np.concatenate([table.place[:, 4:7] for table in tables]),
+        looks=np.repeat([table.file.name == LUMINANCES_FILE for table in tables], count),
+        numbers={name: np.concatenate([t.numbers.get(name, b) for t, b in zip(tables, blank)]) for name in names},
         spectra=spectra,
     )
 
 
+@dataclass(frozen=True)
+class _Readings:
+    """One table: names of the sensors, (n, 7) index, place and direction, and the other columns."""
+
+    file: Path
+    sensor: list[str]
+    place: NDArray[np.float64]
+    numbers: dict[str, NDArray[np.float64]]
+
+
+def _read_readings(file: Path) -> _Readings:
+    header, rows = _table(file)
+    if tuple(header[: len(PLACE_COLUMNS)]) != PLACE_COLUMNS:
+        raise SceneError([Fault(str(file), "", "its columns are not those of readings", _RENDER_AGAIN)])
+    values = _numbers(file, rows, 1, len(header))
+    numbers = {name: values[:, column] for column, name in enumerate(header[1:]) if name not in PLACE_COLUMNS}
+    return _Readings(file, [row[0] for row in rows], values[:, : len(PLACE_COLUMNS) - 1], numbers)
+
+
 def _spectra(file: Path, n_rows: int, n_bands: int) -> NDArray[np.float64]:
+    """(n_rows, n_bands); NaN where a result has no such file."""
+    if not file.is_file():
+        return np.full((n_rows, n_bands), np.nan)
     header, rows = _table(file)
     if len(rows) != n_rows or len(header) < n_bands:
-        raise SceneError([Fault(str(file), "", "it does not belong to readings.csv", _RENDER_AGAIN)])
+        raise SceneError([Fault(str(file), "", "it does not belong to the readings beside it", _RENDER_AGAIN)])
     return _numbers(file, rows, len(header) - n_bands, len(header))
 
 

@@ -52,13 +52,15 @@ def scene_words(scene: Scene) -> Words:
 
 
 def sensor_points(sensors: tuple[Sensor, ...]) -> SensorPoints:
-    """All readings of all sensors of light on something, as ``readings.csv`` has them."""
-    sensors = tuple(sensor for sensor in sensors if sensor.kind != "luminance")
+    """All readings of all sensors, those of luminances last, as in a result."""
+    sensors = tuple(sorted(sensors, key=lambda sensor: sensor.kind == "luminance"))
+    none = np.zeros((0, 3))
     return SensorPoints(
         sensor=tuple(sensor.name for sensor in sensors for _ in sensor.place),
-        index=np.concatenate([np.zeros(0, np.int64), *(np.arange(s.n_readings) for s in sensors)]).astype(np.int64),
-        position=np.concatenate([np.zeros((0, 3)), *(s.place for s in sensors)]),
-        normal=np.concatenate([np.zeros((0, 3)), *(s.direction for s in sensors)]),
+        index=np.concatenate([np.zeros(0, np.int64), *(np.arange(sensor.n_readings) for sensor in sensors)]),
+        position=np.concatenate([none, *(sensor.place for sensor in sensors)]),
+        normal=np.concatenate([none, *(sensor.direction for sensor in sensors)]),
+        looks=np.array([sensor.kind == "luminance" for sensor in sensors for _ in sensor.place], np.bool_),
     )
 
 

@@ -28,6 +28,8 @@ _SENSOR_NUMBERS: Final = (
     ("melanopic EDI", "melanopic_edi_lx", "lx", 1),
 )
 """Label, column of ``readings.csv``, unit and decimals."""
+_LUMINANCE_NUMBERS: Final = (("luminance", "luminance_cd_m2", "cd/m²", 1), *_SENSOR_NUMBERS[1:6])
+"""The same of ``luminances.csv``."""
 
 
 @dataclass(frozen=True)
@@ -143,16 +145,18 @@ def _sensor_facts(drawn: Drawn, number: int) -> Facts:
     title = f"{sensors.sensor[number]} [{sensors.index[number]}]"
     lines = [
         ("point", f"{position[0]:.3f}, {position[1]:.3f}, {position[2]:.3f} m"),
-        ("normal", f"{normal[0]:.3f}, {normal[1]:.3f}, {normal[2]:.3f}"),
+        ("direction", f"{normal[0]:.3f}, {normal[1]:.3f}, {normal[2]:.3f}"),
     ]
     if sensors.spectra is None:
         return Facts(title, tuple(lines), ())
-    for label, name, unit, digits in _SENSOR_NUMBERS:
+    looks = bool(sensors.looks[number])
+    for label, name, unit, digits in _LUMINANCE_NUMBERS if looks else _SENSOR_NUMBERS:
         lines.append((label, _interval(sensors.numbers, number, name, half_width_column(name), unit, digits)))
-    value, half_width = sensors.spectra()
+    value, half_width = (of_all[number] for of_all in sensors.spectra())
     bands = drawn.words.bands
-    curve = Curve("irradiance", "W m⁻² nm⁻¹", bands.lower, bands.upper, value[number], half_width[number])
-    return Facts(title, tuple(lines), (curve,))
+    name, unit = ("radiance", "W m⁻² sr⁻¹ nm⁻¹") if looks else ("irradiance", "W m⁻² nm⁻¹")
+    known = half_width if np.isfinite(half_width).all() else None
+    return Facts(title, tuple(lines), (Curve(name, unit, bands.lower, bands.upper, value, known),))
 
 
 def _curve(name: str, unit: str, bands: Bands, value: NDArray[np.float64]) -> Curve:

@@ -286,14 +286,16 @@ function showSensor(k) {
   for (let i = 0; i < 3; i++) for (const sign of [-r, r]) lines.push(...at.map((v, j) => (i === j ? v + sign : v)));
   state.picked = { lines: buffer(new Float32Array(lines)), count: 6 };
   const facts = [["point", `${at.map((v) => fixed(v, 3)).join(", ")} m`]];
-  if (S.lux) facts.push(["illuminance", `${fixed(S.lux[k], 1)} ± ${fixed(S["lux half"][k], 1)} lx`],
+  const looks = S.looks[k] > 0, told = looks ? "luminance" : "lux";
+  if (S[told]) facts.push([looks ? "luminance" : "illuminance",
+    `${fixed(S[told][k], 1)} ± ${fixed(S[`${told} half`][k], 1)} ${looks ? "cd/m²" : "lx"}`],
     ["x, y", `${fixed(S.x[k], 4)}, ${fixed(S.y[k], 4)}`],
     ["CCT", S.cct[k] ? `${fixed(S.cct[k], 0)} ± ${fixed(S["cct half"][k], 0)} K` : "none"]);
   const n = DATA.bands.lower.length;
-  const half = S.half ? Array.from(S.half.subarray(n * k, n * k + n)) : null;
-  showFacts(DATA.sensors.names[k], facts, spectrum(S, k), half);
+  const half = S.half && !looks ? Array.from(S.half.subarray(n * k, n * k + n)) : null;
+  showFacts(DATA.sensors.names[k], facts, spectrum(S, k), half, looks);
 }
-function showFacts(title, facts, values, half) {
+function showFacts(title, facts, values, half, looks = false) {
   const box = by("facts");
   box.replaceChildren();
   box.appendChild(document.createElement("h1")).textContent = title;
@@ -302,14 +304,14 @@ function showFacts(title, facts, values, half) {
     const row = table.insertRow();
     for (const text of fact) row.insertCell().textContent = text;
   }
-  if (values) chart(box.appendChild(document.createElement("canvas")), values, half);
+  if (values) chart(box.appendChild(document.createElement("canvas")), values, half, looks);
   box.style.display = "block";
 }
 function roundUp(value) {
   const decade = 10 ** Math.floor(Math.log10(value));
   return decade * [1, 1.2, 1.6, 2, 2.4, 3.2, 4, 6, 8, 10].find((m) => decade * m >= value * (1 - 1e-9));
 }
-function chart(sheet, values, half) {
+function chart(sheet, values, half, looks) {
   sheet.width = 380, sheet.height = 180;
   const g = sheet.getContext("2d"), { lower, upper } = DATA.bands, [left, top, w, h] = [56, 22, 316, 124];
   const high = roundUp(Math.max(...values.map((v, k) => v + (half ? half[k] : 0)), 1e-30));
@@ -317,7 +319,8 @@ function chart(sheet, values, half) {
   const X = (v) => left + w * (v - first) / (last - first), Y = (v) => top + h * (1 - Math.max(v, 0) / high);
   g.fillStyle = "#26292f", g.fillRect(left, top, w, h);
   g.font = "11px sans-serif", g.fillStyle = "#f0f0f0";
-  g.fillText(half ? "irradiance [W m⁻² nm⁻¹] ± 95 % interval" : "irradiance [W m⁻² nm⁻¹]", 4, 12);
+  const name = looks ? "radiance [W m⁻² sr⁻¹ nm⁻¹]" : "irradiance [W m⁻² nm⁻¹]";
+  g.fillText(half ? `${name} ± 95 % interval` : name, 4, 12);
   g.fillStyle = "#a5a8af", g.textAlign = "right";
   for (let k = 0; k <= 4; k++) g.fillText(Number((high * k / 4).toPrecision(3)).toString(), left - 5, Y(high * k / 4) + 4);
   g.textAlign = "center";

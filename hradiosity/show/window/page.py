@@ -169,6 +169,7 @@ def _sensors(subject: Subject) -> dict[str, Any]:
     found: dict[str, Any] = {
         "names": [f"{name} [{index}]" for name, index in zip(sensors.sensor, sensors.index, strict=True)],
         "position": packed(sensors.position.astype(np.float32)),
+        "looks": packed(sensors.looks.astype(np.float32)),
         "lines": packed(np.stack([lines.start, lines.end], axis=1).astype(np.float32)),
     }
     for key, column in _SENSOR_COLUMNS:
@@ -176,13 +177,15 @@ def _sensors(subject: Subject) -> dict[str, Any]:
             found[key] = packed(np.nan_to_num(sensors.numbers[column]).astype(np.float32))
     if sensors.spectra is not None and len(sensors) <= MOST_SPECTRA:
         value, half = sensors.spectra()
-        found |= _packed_spectra(value) | {"half": packed(half.astype(np.float32))}
+        found |= _packed_spectra(value) | {"half": packed(np.nan_to_num(half).astype(np.float32))}
     return found
 
 
 _SENSOR_COLUMNS: Final = (
     ("lux", "illuminance_lx"),
     ("lux half", "illuminance_half_width_lx"),
+    ("luminance", "luminance_cd_m2"),
+    ("luminance half", "luminance_half_width_cd_m2"),
     ("x", "cie_x"),
     ("y", "cie_y"),
     ("cct", "cct_k"),

@@ -116,7 +116,9 @@ class Stand:
         if told is None or look.mode != "false-color" or look.quantity != "illuminance" or not len(sensors):
             self._points.show_points(sensors.position)
             return
-        self._points.show_points(sensors.position, self.subject.colours_on_scale(told, look))
+        colours = self.subject.colours_on_scale(told, look)
+        colours[np.isnan(told)] = np.rint(255.0 * np.array(SKY_BLUE))
+        self._points.show_points(sensors.position, colours)
 
 
 def cut_plane(cells: Cells, section: Section | None) -> CutPlane | None:

@@ -107,3 +107,14 @@ def test_facts_of_a_sensor_are_its_reading(subject, solved):
     assert float(half) == pytest.approx(desk.illuminance_half_width[4], abs=0.06)
     assert unit == "lx"
     assert facts.curves[0].half_width is not None
+
+
+def test_facts_of_a_luminance_are_those_of_what_is_looked_at(subject, solved):
+    gaze = solved[0].readings["gaze"]
+    facts = facts_of(subject.drawn, subject.drawn.light, Picked("sensor", 7, np.zeros(3)))
+    value, _, _, unit = dict(facts.lines)["luminance"].split()
+    assert facts.title == "gaze [1]"
+    assert float(value) == pytest.approx(gaze.illuminance[1], abs=0.06)
+    assert unit == "cd/m²"
+    assert (facts.curves[0].name, facts.curves[0].half_width) == ("radiance", None)
+    assert "illuminance" not in dict(facts.lines)

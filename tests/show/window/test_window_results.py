@@ -38,13 +38,17 @@ def test_normals_point_to_who_looks(solved):
 
 def test_sensors_come_back(solved):
     solution, folder = solved
-    sensors = read_result(folder).sensors
-    desk = solution.readings["desk"]
-    np.testing.assert_allclose(sensors.position, desk.position, atol=1e-8)
-    np.testing.assert_allclose(sensors.numbers["illuminance_lx"], desk.illuminance, rtol=1e-6)
+    sensors, width = read_result(folder).sensors, solution.scene.bands.width
+    desk, gaze = solution.readings["desk"], solution.readings["gaze"]
+    np.testing.assert_allclose(sensors.position, np.concatenate([desk.position, gaze.position]), atol=1e-8)
+    np.testing.assert_array_equal(sensors.looks, np.arange(8) >= 6)
+    np.testing.assert_allclose(sensors.numbers["illuminance_lx"][:6], desk.illuminance, rtol=1e-6)
+    assert np.isnan(sensors.numbers["illuminance_lx"][6:]).all()
+    np.testing.assert_allclose(sensors.numbers["luminance_cd_m2"][6:], gaze.illuminance, rtol=1e-6)
     value, half_width = sensors.spectra()
-    np.testing.assert_allclose(value, desk.irradiance / solution.scene.bands.width, rtol=1e-6)
-    np.testing.assert_allclose(half_width, desk.half_width / solution.scene.bands.width, rtol=1e-6)
+    np.testing.assert_allclose(value[:6], desk.irradiance / width, rtol=1e-6)
+    np.testing.assert_allclose(value[6:], gaze.irradiance / width, rtol=1e-6)
+    np.testing.assert_allclose(half_width[:6], desk.half_width / width, rtol=1e-6)
 
 
 def test_a_scene_shows_each_patch_and_the_backs_that_may_be_seen(room):

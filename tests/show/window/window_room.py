@@ -47,6 +47,12 @@ edge_u = [2.4, 0.0, 0.0]
 edge_v = [0.0, 1.4, 0.0]
 counts = [3, 2]
 
+[[sensor]]
+name = "gaze"
+kind = "luminance"
+eye = [2.0, 1.0, 1.2]
+targets = [[0.0, 1.0, 1.2], [1.0, 2.0, 1.0]]
+
 [[view]]
 name = "door"
 position = [2.8, 0.2, 1.6]
