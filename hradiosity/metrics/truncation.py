@@ -87,7 +87,7 @@ def truncation(bands: Bands, light: Spectrum | None = None) -> tuple[Truncation,
     alpha = photometry.alpha_opic()[1]
     groups = {
         "illuminance": photometry.luminous_efficiency().value[:, None],
-        "X, Y, Z, x, y, u′, v′, colour temperature, Duv, Ra, R1 to R14": two_degrees,
+        "x, y, u′, v′, X, Y, Z, colour temperature, Duv, Ra, R1 to R14": two_degrees,
         "Rf, Rg": ten_degrees,
         **{f"{name} EDI and DER": alpha[:, [names.index(name)]] for name in RECEPTORS},
     }
