@@ -43,8 +43,8 @@ def scene_size(cells: Cells) -> float:
     return max(float(np.linalg.norm(high - low)), 1e-9)
 
 
-def arrows(start: NDArray[np.float64], direction: NDArray[np.float64], length: float) -> Lines:
-    """Arrows of one length along unit vectors (n, 3), each with two barbs."""
+def arrows(start: NDArray[np.float64], direction: NDArray[np.float64], length: float | NDArray[np.float64]) -> Lines:
+    """Arrows of a length, or of lengths (n, 1), along unit vectors (n, 3), each with two barbs."""
     end = start + length * direction
     other = np.where(np.abs(direction[:, 2:]) < 0.9, [[0.0, 0.0, 1.0]], [[1.0, 0.0, 0.0]])
     across = np.cross(direction, other)
@@ -54,18 +54,32 @@ def arrows(start: NDArray[np.float64], direction: NDArray[np.float64], length: f
     return Lines(np.concatenate([start, end, end]), np.concatenate([end, back + barb, back - barb]))
 
 
-def sensor_lines(drawn: Drawn, size: float) -> Lines:
-    """Normals of the sensors, shorter where they stand close together."""
-    sensors = drawn.sensors
-    parts = []
+def sensor_arrows(drawn: Drawn) -> NDArray[np.float64]:
+    """(n,) length of the arrow of each reading [m], shorter where those of a sensor stand close together."""
+    sensors, longest = drawn.sensors, ARROW * scene_size(drawn.cells)
+    names = np.array(sensors.sensor)
+    length = np.full(len(sensors), longest)
     for name in dict.fromkeys(sensors.sensor):
-        those = np.flatnonzero(np.array([other == name for other in sensors.sensor]))
-        place = sensors.position[those]
-        gaps = np.linalg.norm(np.diff(place, axis=0), axis=1)
+        those = np.flatnonzero(names == name)
+        gaps = np.linalg.norm(np.diff(sensors.position[those], axis=0), axis=1)
         gaps = gaps[gaps > 0.0]
-        length = min(ARROW * size, CLOSE * float(gaps.min())) if len(gaps) else ARROW * size
-        parts.append(arrows(place, sensors.normal[those], length))
-    return joined(*parts)
+        if len(gaps):
+            length[those] = min(longest, CLOSE * float(gaps.min()))
+    return length
+
+
+def sensor_lines(drawn: Drawn) -> Lines:
+    """Normals of planes, axes of cylinders, lines of sight."""
+    sensors = drawn.sensors
+    return arrows(sensors.position, sensors.normal, sensor_arrows(drawn)[:, None])
+
+
+def sensor_marks(drawn: Drawn) -> NDArray[np.float64]:
+    """(n, 3) where readings are marked and picked [m]: lines of sight, which share an eye, at their ends."""
+    sensors = drawn.sensors
+    along = np.where(sensors.looks, sensor_arrows(drawn), 0.0)[:, None]
+    marks: NDArray[np.float64] = sensors.position + along * sensors.normal
+    return marks
 
 
 def lamp_places(cells: Cells) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

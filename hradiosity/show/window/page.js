@@ -122,7 +122,7 @@ function prepare() {
   A.normal = normal;
   surface = { place: buffer(A.position), normal: buffer(normal), index: index(faces), count: faces.length };
   outline = { index: index(edges), count: edges.length };
-  sensors = points(A.sensors.position), arrows = points(A.sensors.lines), lamps = points(A.lamps);
+  sensors = points(A.sensors.marks), arrows = points(A.sensors.lines), lamps = points(A.lamps);
   gl.enable(gl.DEPTH_TEST);
   gl.enable(gl.CULL_FACE);
 }
@@ -237,7 +237,7 @@ function pick(x, y) {
   }
   let sensor = -1, miss = 9;
   for (let k = 0; state.marks && k < sensors.count; k++) {
-    const to = minus(A.sensors.position.subarray(3 * k, 3 * k + 3), origin), depth = dot(to, forward);
+    const to = minus(A.sensors.marks.subarray(3 * k, 3 * k + 3), origin), depth = dot(to, forward);
     if (depth <= 0 || depth > best * 1.001) continue;
     const px = w / 2 * (1 + dot(to, right) / (depth * half * w / h)), py = h / 2 * (1 - dot(to, up) / (depth * half));
     const off = Math.hypot(px - x, py - y);
@@ -282,10 +282,11 @@ function showCell(c) {
   showFacts(DATA.solved ? `element ${e}` : `patch ${e}`, facts, spectrum(A.elements, e), null);
 }
 function showSensor(k) {
-  const S = A.sensors, at = Array.from(S.position.subarray(3 * k, 3 * k + 3)), r = 0.012 * DATA.size, lines = [];
+  const S = A.sensors, r = 0.012 * DATA.size, lines = [];
+  const [at, place] = [S.marks, S.position].map((list) => Array.from(list.subarray(3 * k, 3 * k + 3)));
   for (let i = 0; i < 3; i++) for (const sign of [-r, r]) lines.push(...at.map((v, j) => (i === j ? v + sign : v)));
   state.picked = { lines: buffer(new Float32Array(lines)), count: 6 };
-  const facts = [["point", `${at.map((v) => fixed(v, 3)).join(", ")} m`]];
+  const facts = [["point", `${place.map((v) => fixed(v, 3)).join(", ")} m`]];
   const looks = S.looks[k] > 0, told = looks ? "luminance" : "lux";
   if (S[told]) facts.push([looks ? "luminance" : "illuminance",
     `${fixed(S[told][k], 1)} ± ${fixed(S[`${told} half`][k], 1)} ${looks ? "cd/m²" : "lx"}`],

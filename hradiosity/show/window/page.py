@@ -19,7 +19,7 @@ from hradiosity.show.colormap import scale_colours as map_colours
 from hradiosity.show.exposure import to_bytes
 from hradiosity.show.window.colours import LightValues
 from hradiosity.show.window.look import MODES, Look, Quantity
-from hradiosity.show.window.marks import lamp_lines, scene_size, sensor_lines
+from hradiosity.show.window.marks import lamp_lines, scene_size, sensor_lines, sensor_marks
 from hradiosity.show.window.navigation import Pose, overview
 from hradiosity.show.window.outlines import edge_flags, element_levels
 from hradiosity.show.window.subject import Subject
@@ -165,10 +165,11 @@ def _packed_spectra(spectra: NDArray[np.float64]) -> dict[str, str]:
 
 def _sensors(subject: Subject) -> dict[str, Any]:
     sensors = subject.drawn.sensors
-    lines = sensor_lines(subject.drawn, scene_size(subject.cells))
+    lines = sensor_lines(subject.drawn)
     found: dict[str, Any] = {
         "names": [f"{name} [{index}]" for name, index in zip(sensors.sensor, sensors.index, strict=True)],
         "position": packed(sensors.position.astype(np.float32)),
+        "marks": packed(sensor_marks(subject.drawn).astype(np.float32)),
         "looks": packed(sensors.looks.astype(np.float32)),
         "lines": packed(np.stack([lines.start, lines.end], axis=1).astype(np.float32)),
     }

@@ -10,7 +10,16 @@ from numpy.typing import NDArray
 from hradiosity.io.drawn_scene import Cells
 from hradiosity.model.scene import View
 from hradiosity.show.window.look import NO_LINES, Look, Section
-from hradiosity.show.window.marks import CAMERA, Lines, camera_lines, joined, lamp_lines, scene_size, sensor_lines
+from hradiosity.show.window.marks import (
+    CAMERA,
+    Lines,
+    camera_lines,
+    joined,
+    lamp_lines,
+    scene_size,
+    sensor_lines,
+    sensor_marks,
+)
 from hradiosity.show.window.navigation import Pose
 from hradiosity.show.window.outlines import edge_flags
 from hradiosity.show.window.picking import CutPlane, Picked
@@ -60,6 +69,11 @@ class Stand:
         self._place_marks()
 
     @property
+    def sensor_marks(self) -> NDArray[np.float64]:
+        """(n, 3) where readings are picked [m]."""
+        return self._marks
+
+    @property
     def renderer(self) -> Any:
         """The vtkRenderer."""
         return self._renderer
@@ -103,8 +117,9 @@ class Stand:
     def _place_marks(self) -> None:
         drawn = self.subject.drawn
         size = scene_size(drawn.cells)
-        self._sensors.show_lines(sensor_lines(drawn, size))
-        self._points.show_points(drawn.sensors.position)
+        self._sensors.show_lines(sensor_lines(drawn))
+        self._marks = sensor_marks(drawn)
+        self._points.show_points(self._marks)
         self._lamps.show_lines(lamp_lines(drawn, size))
         self._seen_views = None
         self._chosen.show_lines(joined())
@@ -114,11 +129,11 @@ class Stand:
         sensors = self.subject.drawn.sensors
         told = sensors.numbers.get("illuminance_lx")
         if told is None or look.mode != "false-color" or look.quantity != "illuminance" or not len(sensors):
-            self._points.show_points(sensors.position)
+            self._points.show_points(self._marks)
             return
         colours = self.subject.colours_on_scale(told, look)
         colours[np.isnan(told)] = np.rint(255.0 * np.array(SKY_BLUE))
-        self._points.show_points(sensors.position, colours)
+        self._points.show_points(self._marks, colours)
 
 
 def cut_plane(cells: Cells, section: Section | None) -> CutPlane | None:

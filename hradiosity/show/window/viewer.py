@@ -184,7 +184,7 @@ class Viewer:
 
     def _pick(self, stand: Stand, place: tuple[float, float], size: tuple[int, int]) -> Picked | None:
         drawn = stand.subject.drawn
-        sensors = drawn.sensors.position if self.look.marks else np.zeros((0, 3))
+        sensors = stand.sensor_marks if self.look.marks else np.zeros((0, 3))
         return pick(drawn.cells, sensors, self.pose, place, size, cut_plane(drawn.cells, self.look.section))
 
     @property

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from hradiosity.io.scene_drawing import draw_scene
 from hradiosity.model.scene import View
 from hradiosity.show.camera import view_axes
-from hradiosity.show.window.marks import camera_lines, lamp_places, sensor_lines
+from hradiosity.show.window.marks import camera_lines, lamp_places, sensor_lines, sensor_marks
 from hradiosity.show.window.navigation import Pose, overview, pose_of_view
 from hradiosity.show.window.outlines import edge_flags, element_levels, hierarchy_levels
 from hradiosity.show.window.picking import CutPlane, pick, pick_cell
@@ -100,9 +100,10 @@ def test_a_section_hides_from_picking(room):
 def test_sensors_win_unless_they_are_hidden(room):
     drawn = draw_scene(room)
     pose = pose_of_view(room.views[0], 1.5, 1.0)
-    for number, place in enumerate(pose.project(drawn.sensors.position, 900, 600)):
+    marks = sensor_marks(drawn)
+    for number, place in enumerate(pose.project(marks, 900, 600)):
         if (place > 0).all() and (place < [900, 600]).all():
-            found = pick(drawn.cells, drawn.sensors.position, pose, tuple(place + [3.0, -2.0]), (900, 600), None)
+            found = pick(drawn.cells, marks, pose, tuple(place + [3.0, -2.0]), (900, 600), None)
             assert (found.kind, found.number) == ("sensor", number)
     outside = overview(np.zeros(3), np.array([3.0, 2.0, 2.5]), 1.5)
     below = Pose(np.array([1.5, 1.0, -3.0]), 0.0, 1.5, 2.0, 1.0)
@@ -142,8 +143,10 @@ def test_marks_stand_where_things_are(subject, room):
     places, normals = lamp_places(subject.cells)
     np.testing.assert_allclose(places, [[1.5, 1.0, 2.4]], atol=1e-9)
     np.testing.assert_allclose(normals, [[0.0, 0.0, -1.0]], atol=1e-9)
-    lines = sensor_lines(subject.drawn, 4.0)
-    assert len(lines.start) == 3 * len(subject.drawn.sensors)
-    np.testing.assert_allclose(lines.start[:6], subject.drawn.sensors.position[:6])
-    np.testing.assert_allclose(lines.start[18:20], subject.drawn.sensors.position[6:])
+    lines, sensors = sensor_lines(subject.drawn), subject.drawn.sensors
+    assert len(lines.start) == 3 * len(sensors)
+    np.testing.assert_allclose(lines.start[: len(sensors)], sensors.position)
+    marks = sensor_marks(subject.drawn)
+    np.testing.assert_allclose(marks[:6], sensors.position[:6])
+    np.testing.assert_allclose(marks[6:], lines.end[6:8], err_msg="two lines of sight from one eye")
     assert len(camera_lines(room.views, 4.0).start) == 10 * len(room.views)

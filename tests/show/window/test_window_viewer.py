@@ -68,7 +68,7 @@ def test_modes_differ_and_come_back(viewer):
 @NEEDS_GL
 def test_the_window_shows_the_colours_of_the_cells(viewer):
     """Where picking finds a cell, the pixel has its colour."""
-    viewer.command("flat")
+    viewer.command("marks")
     picture, colours = viewer.pixels(), viewer.subject.paint(viewer.look).colours
     cells, compared = viewer.subject.cells, 0
     for x in range(60, 360, 29):
