@@ -22,8 +22,16 @@ GUIDED_AT_ONCE = 8192
 """Readings whose guides are made at a time."""
 DARK_SHARE = 0.05
 """Readings darker than this share of the mean count as that bright: their relative error matters less."""
-LEAST, MOST = 0.5, 16.0
+LEAST, MOST = 0.5, 32.0
 """Bounds of a reading's share, over an even one."""
+SHADOW_RAY = 0.2
+"""Price of a shadow ray, in paths."""
+STRATIFIED = 0.4
+"""Error of some hundred shadow rays, which are spread evenly over a lamp, over that of as many drawn at random; of
+paths, which differ in more than where they start, much less is gained."""
+UNSEEN_RAYS = 0.5
+"""Rays of a pilot that count as having seen a lamp when none did."""
+BISECTIONS = 80
 
 
 @dataclass(frozen=True)
@@ -78,7 +86,7 @@ def plan_effort(
     seed: int,
     response: NDArray[np.float32] | None = None,
 ) -> Effort:
-    """Spread the samples of all readings by a pilot's spread: n ∝ σ/E makes the rms relative error smallest.
+    """Spread paths and shadow rays over all readings by a pilot's spread, for the smallest rms relative error.
 
     Parameters
     ----------
@@ -113,16 +121,12 @@ def plan_effort(
     variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)
     total = arriving.sum(axis=1) + mean
     total = np.maximum(total, DARK_SHARE * total.mean())
-    gather = np.divide(np.sqrt(variance), total, out=np.zeros(n), where=total > 0.0)
-    penumbra = np.divide(
-        np.sqrt(_partial(scene, position, normal, direct, pilot, seed, response) * brightness**2).max(
-            axis=1, initial=0.0
-        ),
-        total,
-        out=np.zeros(n),
-        where=total > 0.0,
+    partial = _partial(scene, position, normal, direct, pilot, seed, response) * brightness**2
+    gather, penumbra = (
+        np.divide(np.sqrt(some), total, out=np.zeros(n), where=total > 0.0) for some in (variance, partial.sum(axis=1))
     )
-    return Effort(_spread(penumbra, light_samples), _spread(gather, gather_samples), shares)
+    rays = Split(gather_samples, light_samples, SHADOW_RAY * scene.n_emitters)
+    return Effort(*rays.shared(STRATIFIED * penumbra, gather), shares)
 
 
 def _partial(
@@ -136,24 +140,54 @@ def _partial(
 ) -> NDArray[np.float64]:
     """(n, n_emitters) variance of one shadow ray's factor: F² v (1 − v), F without obstacles, v the visible share.
 
-    That share is taken with Jeffreys' prior: a lamp that the pilot's rays all missed may yet be seen by one ray in a
-    hundred, which would be most of the light in a deep shadow.
+    A lamp that the pilot's rays all missed may yet be seen by one ray in a hundred, which would be most of the light in
+    a deep shadow.
     """
     samples = 1 if response is None else n_rays
     clear = direct_at_points(scene.without_occlusion(), position, normal, samples, seed, response=response)
     clear = clear.astype(np.float64)
     seen = np.divide(direct, clear, out=np.zeros_like(clear), where=clear > 0.0)
-    likely = (np.clip(seen, 0.0, 1.0) * n_rays + 0.5) / (n_rays + 1.0)
+    likely = np.where(seen > 0.0, np.clip(seen, 0.0, 1.0), UNSEEN_RAYS / n_rays)
     variance: NDArray[np.float64] = clear**2 * likely * (1.0 - likely)
     return variance
 
 
-def _spread(spread: NDArray[np.float64], mean_samples: int) -> NDArray[np.int64]:
-    """Samples in proportion to the spread, in steps of a factor 2, about `mean_samples` on average."""
-    average = float(spread.mean())
-    if average <= 0.0:
-        return np.full(len(spread), mean_samples, np.int64)
-    share = np.clip(spread / average, LEAST, MOST)
-    share = 2.0 ** np.rint(np.log2(share / share.mean()))
-    samples: NDArray[np.int64] = np.maximum(np.rint(np.clip(share, LEAST, MOST) * mean_samples), 1).astype(np.int64)
-    return samples
+@dataclass(frozen=True)
+class Split:
+    """How paths and shadow rays of readings may be exchanged for one another at one price.
+
+    gather, light : mean number of paths of a reading, and of its shadow rays to each emitter, as asked for
+    price : of a shadow ray to each emitter, in paths
+    """
+
+    gather: int
+    light: int
+    price: float
+
+    def shared(
+        self, penumbra: NDArray[np.float64], gather: NDArray[np.float64]
+    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+        """Shadow rays to each emitter (n,) and paths (n,) of each reading, n ∝ σ/√price, in steps of a factor 2.
+
+        Parameters
+        ----------
+        penumbra, gather : (n,) float64
+            Relative error of a reading by one shadow ray to each emitter, and by one path.
+        """
+        root = self.price**0.5
+        whole = len(gather) * (self.gather + self.price * self.light)
+        wanted = gather, np.divide(penumbra, root, out=np.zeros_like(penumbra), where=root > 0.0)
+        low, high = 1e-12, 1e12
+        for _ in range(BISECTIONS):
+            middle = (low * high) ** 0.5
+            paths, rays = (_stepped(middle * some, even) for some, even in zip(wanted, (self.gather, self.light)))
+            low, high = (middle, high) if paths.sum() + self.price * rays.sum() <= whole else (low, middle)
+        light, paths = (_stepped(low * some, even) for some, even in zip(wanted[::-1], (self.light, self.gather)))
+        return light, paths
+
+
+def _stepped(samples: NDArray[np.float64], even: int) -> NDArray[np.int64]:
+    """Within bounds about an even share, in steps of a factor 2 from there."""
+    share = np.clip(samples / max(even, 1), LEAST, MOST)
+    stepped: NDArray[np.int64] = np.maximum(np.rint(2.0 ** np.rint(np.log2(share)) * even), 1).astype(np.int64)
+    return stepped
