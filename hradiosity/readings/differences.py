@@ -12,14 +12,9 @@ from hradiosity.estimate import Estimate
 from hradiosity.model.scene import Scene
 from hradiosity.model.variants import with_variant
 from hradiosity.plan import SpectralColumns
+from hradiosity.readings.companions import COMPANIONS, companion_parts
 from hradiosity.readings.interval import RunningMean, RunningMoments
-from hradiosity.readings.moments import (
-    COMPANIONS,
-    ReadingMoments,
-    ReplicateNumbers,
-    ReplicateReadings,
-    companion_parts,
-)
+from hradiosity.readings.moments import ReadingMoments, ReplicateNumbers, ReplicateReadings
 from hradiosity.readings.numbers import OF_SENSORS, RATIOS, ReadingNumbers, is_power
 from hradiosity.readings.sensors import ReadingSamples
 from hradiosity.solution import Differences, VariantReadings

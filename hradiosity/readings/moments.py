@@ -4,30 +4,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
-from typing import Final, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.estimate import EXCHANGE, MESH, Estimate
+from hradiosity.estimate import MESH, Estimate
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.model.spectrum import Bands
+from hradiosity.readings.companions import COMPANIONS, companion_parts, likely_parts
 from hradiosity.readings.composition import Composition
 from hradiosity.readings.interval import RunningMean, RunningMoments, part_of
 from hradiosity.readings.numbers import OF_SENSORS, ReadingNumbers, is_power
+from hradiosity.readings.pooling import alike, pooled
 from hradiosity.solution import Readings
 
-COMPANIONS: Final = MappingProxyType({MESH: 1.0, EXCHANGE: 1.0})
-"""By part: share of the change by its companion that stands for what finer settings would still change. Errors fall
-with the edge of elements and with the number of rays to the power 1, or faster."""
-COMMON = 4.0
-"""Degrees of freedom that the mean variance of a group of readings counts beside a reading's own. Few replicates of a
-skewed number that all miss its rare large values come out too low and too sure at once; what is usual for the other
-readings then keeps the interval honest. Chosen on the scenes of `hradiosity.suites.coverage`, all but
-one of them: none was kept back to judge it."""
-ALIKE = 4.0
-"""Factor between the illuminances of readings that are taken to be about as bright."""
 UNSEEN_PATHS = 3.0
 """Paths that may lead to light, of all, when none of them was found to: at most 3/N with 95 % (Hanley 1983)."""
 
@@ -39,7 +30,7 @@ class ReplicateReadings:
     spectra : (n, n_bands) float64 [W m⁻² per band]
     enclosed : (n,) float64, share of the view that ends inside a solid
     change : (n, n_bands) float64, what a companion with coarser settings would add; None without one
-    changed_by : part of the intervals that the change tells about, see `COMPANIONS`
+    changed_by : part of the intervals that the change tells about, see `hradiosity.readings.companions`
     brightest_unseen : (n, n_bands) float64, most that a path could have brought over the number of paths, where light
         may come though no path found any; None for certain
     unlike : (n, n_bands) float64, for variants: see `hradiosity.plan.SpectralColumns.unlike`; None for the scene
@@ -53,59 +44,6 @@ class ReplicateReadings:
     brightest_unseen: NDArray[np.float64] | None = None
     unlike: NDArray[np.float64] | None = None
     variants: tuple[ReplicateReadings, ...] = ()
-
-
-def companion_parts(changes: Mapping[str, RunningMean]) -> dict[str, NDArray[np.float64]]:
-    """Half widths by part, from what the companions changed; parts without companions are left out."""
-    return {part: COMPANIONS[part] * np.abs(found.mean) for part, found in changes.items() if found.count}
-
-
-def alike(parts: Sequence[slice], illuminance: NDArray[np.float64]) -> NDArray[np.int64]:
-    """(n,) number of the group that each reading is in: those of its sensor that are about as bright, within `ALIKE`.
-
-    Dark places are less sure than bright ones; what is usual there says nothing about a desk in the light.
-    """
-    sensor = np.repeat(np.arange(len(parts)), [part.stop - part.start for part in parts])
-    brightest = np.zeros(len(parts))
-    np.maximum.at(brightest, sensor, illuminance)
-    share = np.divide(illuminance, brightest[sensor], out=np.zeros_like(illuminance), where=illuminance > 0.0)
-    step = np.floor(np.log(np.maximum(share, np.finfo(np.float64).tiny)) / np.log(ALIKE)).astype(np.int64)
-    group: NDArray[np.int64] = np.unique(np.column_stack([sensor, step]), axis=0, return_inverse=True)[1].ravel()
-    return group
-
-
-def pooled(
-    standard_error: NDArray[np.float64],
-    value: NDArray[np.float64],
-    group: NDArray[np.int64],
-    degrees_of_freedom: int,
-    *,
-    relative: bool,
-) -> NDArray[np.float64]:
-    """Standard errors (n, …) drawn towards what is usual in the group of each reading, in quadrature.
-
-    Parameters
-    ----------
-    standard_error, value : (n, …) float64
-    group : (n,) int64
-        See `alike`.
-    degrees_of_freedom : int
-        Of the standard errors; below 1 they are left alone.
-    relative : bool
-        Pool errors over values, and not the errors themselves.
-    """
-    if degrees_of_freedom < 1:
-        return standard_error
-    scale = np.abs(value) if relative else np.ones_like(value)
-    square = np.divide(standard_error, scale, out=np.full_like(value, np.nan), where=scale > 0.0) ** 2
-    known = np.isfinite(square)
-    count, total = (np.zeros((int(group.max(initial=-1)) + 1, *value.shape[1:])) for _ in range(2))
-    np.add.at(count, group, known)
-    np.add.at(total, group, np.where(known, square, 0.0))
-    usual = np.divide(total, count, out=np.zeros_like(total), where=count > 0.0)[group]
-    own = degrees_of_freedom / (degrees_of_freedom + COMMON)
-    mixed = scale * np.sqrt(own * np.where(known, square, 0.0) + (1.0 - own) * usual)
-    return np.where(known, mixed, standard_error)
 
 
 class ReplicateNumbers(NamedTuple):
@@ -142,7 +80,9 @@ class ReadingMoments:
         n = len(self.planes.count)
         empty = self._numbers.of(np.zeros((n, len(bands))))
         self._values = {name: RunningMoments(array.shape) for name, array in empty.items()}
-        self._changes = {part: {name: RunningMean(array.shape) for name, array in empty.items()} for part in COMPANIONS}
+        self._changes = {
+            part: {name: RunningMoments(array.shape) for name, array in empty.items()} for part in COMPANIONS
+        }
         self._shares = RunningMoments((n,))
         self._enclosed = RunningMean((n,))
         self._unseen = RunningMean((n, len(bands)))
@@ -236,11 +176,14 @@ class ReadingMoments:
         group = alike(list(self._numbers.parts.values()), numbers["illuminance"])
         estimates = {}
         for name, value in numbers.items():
-            others = {part: effect[name] for part, effect in effects.items()}
-            others = companion_parts({part: means[name] for part, means in self._changes.items()}) | others
+            changes = {part: means[name] for part, means in self._changes.items()}
             error = self._values[name].standard_error
-            if name not in OF_SENSORS:
+            if name in OF_SENSORS:
+                others = companion_parts(changes)
+            else:
                 error = pooled(error, value, group, count - 1, relative=is_power(name))
+                others = likely_parts(changes, value, group, relative=is_power(name))
+            others |= {part: effect[name] for part, effect in effects.items()}
             estimates[name] = Estimate(value, error, count - 1, others)
         return self._with_unseen(self._with_extremes(estimates))
 

@@ -6,15 +6,10 @@ import pytest
 from hradiosity.estimate import EXCHANGE, MESH, Estimate, student_quantile
 from hradiosity.model.scene import Sensor
 from hradiosity.model.spectrum import Bands
+from hradiosity.readings.companions import COMPANIONS, likely_parts
 from hradiosity.readings.interval import RunningMean, RunningMoments
-from hradiosity.readings.moments import (
-    COMMON,
-    COMPANIONS,
-    ReadingMoments,
-    ReplicateReadings,
-    alike,
-    pooled,
-)
+from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
+from hradiosity.readings.pooling import COMMON, alike, pooled
 
 BANDS = Bands.uniform(380.0, 780.0, 50.0)
 
@@ -137,6 +132,41 @@ def test_errors_are_pooled_with_readings_that_are_about_as_bright():
     assert found[0] / 10.0 == pytest.approx(np.sqrt(COMMON / (7 + COMMON) * usual))
     assert found[1] / 11.0 == pytest.approx(np.sqrt((7 * 0.01 + COMMON * usual) / (7 + COMMON)))
     assert found[3] == pytest.approx(1.0)
+
+
+def changes_of(true, noise, replicates, seed=2):
+    moments = RunningMoments(true.shape)
+    rng = np.random.default_rng(seed)
+    for _ in range(replicates):
+        moments.add(true + noise * rng.normal(size=true.shape))
+    return moments
+
+
+@pytest.mark.parametrize(("spread", "noise"), [(0.0, 0.02), (0.02, 0.0), (0.02, 0.02), (0.01, 0.05)])
+def test_likely_changes_are_as_large_as_the_true_ones(spread, noise):
+    """In the mean square over many readings, where |mean change| has the noise on top."""
+    n = 4000
+    true = spread * np.random.default_rng(1).normal(size=n)
+    moments = changes_of(true, noise, 4)
+    part = likely_parts({MESH: moments}, np.ones(n), np.zeros(n, np.int64), relative=True)[MESH]
+    found, plain = (np.sqrt(np.mean(some**2)) for some in (part, moments.mean))
+    aim = np.sqrt(np.mean(true**2))
+    assert aim - 1e-3 <= found <= plain + 1e-12
+    assert found <= 1.35 * aim + 0.75 * (plain - aim) + 1e-12
+
+
+def test_one_reading_with_a_large_change_keeps_it():
+    """However small the changes of its neighbours are."""
+    true = np.zeros(100)
+    true[17] = 0.05
+    part = likely_parts({MESH: changes_of(true, 0.004, 4)}, np.ones(100), np.zeros(100, np.int64), relative=True)[MESH]
+    assert part[17] == pytest.approx(0.05, rel=0.15)
+
+
+def test_one_companion_alone_is_believed():
+    moments = changes_of(np.array([0.03, -0.02]), 0.0, 1)
+    part = likely_parts({EXCHANGE: moments}, np.ones(2), np.zeros(2, np.int64), relative=True)[EXCHANGE]
+    np.testing.assert_allclose(part, COMPANIONS[EXCHANGE] * np.array([0.03, 0.02]), rtol=1e-12)
 
 
 def test_uniformity_varies_as_its_lowest_reading_does():

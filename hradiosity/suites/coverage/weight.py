@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.estimate import MESH, Estimate
-from hradiosity.readings.moments import COMPANIONS
+from hradiosity.readings.companions import COMPANIONS
 from hradiosity.suites.coverage.figures import Figures, figures_of, over_scenes
 from hradiosity.suites.coverage.measure import SceneNumbers
 
