@@ -54,11 +54,13 @@ def _convergence(found: dict[str, Any]) -> Convergence:
 
 def pack_round(size: Round, given_up: list[dict[str, float]]) -> NDArray[np.uint8]:
     """How large the replicates are, and the rounds before, as the bytes of a JSON text."""
-    text = json.dumps({"options": asdict(size.options), "focus": size.focus.tolist(), "given_up": given_up})
+    of_readings = {"focus": size.focus.tolist(), "lookup": size.lookup.tolist()}
+    text = json.dumps({"options": asdict(size.options), **of_readings, "given_up": given_up})
     return np.frombuffer(text.encode(), np.uint8)
 
 
 def unpack_round(packed: NDArray[np.uint8]) -> tuple[Round, list[dict[str, float]]]:
     """The inverse of `pack_round`."""
     found: dict[str, Any] = json.loads(packed.tobytes())
-    return Round(Options(**found["options"]), np.array(found["focus"], np.float64)), found["given_up"]
+    of_readings = np.array(found["focus"], np.float64), np.array(found["lookup"], np.int64)
+    return Round(Options(**found["options"]), *of_readings), found["given_up"]

@@ -158,15 +158,15 @@ class Pacer:
         if self.limit is None:
             return None
         growth = growth_to_fill(self._pace(), self.asked.replicates, FILLED * (self.limit - elapsed))
-        return Round(scaled(self.size.options, growth), self.size.focus) if growth >= WORTH_A_ROUND else None
+        if growth < WORTH_A_ROUND:
+            return None
+        return replace(self.size, options=scaled(self.size.options, growth))
 
     def _expected(self, following: Round, samples: NDArray[np.int64]) -> float:
         """Wall seconds of a round."""
         before, after = self.size, following
-        focus = (
-            after.focus / (before.focus if len(before.focus) else 1.0) if len(after.focus) else np.ones(len(samples))
-        )
-        total = float(samples.sum())
+        focus = after.of_readings(len(samples))[0] / before.of_readings(len(samples))[0]
+        total = before.price(samples)
         elements = after.options.elements / before.options.elements
         if before.options.element_size is not None and after.options.element_size is not None:
             elements = (before.options.element_size / after.options.element_size) ** 2
@@ -174,7 +174,7 @@ class Pacer:
             self.asked.replicates,
             elements=elements,
             rays=after.options.rays_per_element / before.options.rays_per_element,
-            samples=float((focus * samples).sum()) / total if total > 0.0 else 1.0,
+            samples=after.price(focus * samples) / total if total > 0.0 else 1.0,
         )
 
     def _each(self) -> float:

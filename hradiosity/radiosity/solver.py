@@ -33,8 +33,9 @@ from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.interval import part_of
 from hradiosity.readings.moments import ReadingMoments
 from hradiosity.readings.path_tracing import PathRules
-from hradiosity.readings.sensors import read_points
+from hradiosity.readings.sensors import ReadingSamples, read_points
 from hradiosity.readings.surface_light import SurfaceLight
+from hradiosity.readings.twins import Twins
 from hradiosity.readings.unseen import brightest_unseen
 from hradiosity.solution import Readings, Solution
 from hradiosity.space.lit_sides import LitSides
@@ -81,6 +82,7 @@ class RadiositySolver:
         self._readings = self._make_moments()
         self._surfaces: SurfaceSolver | None = None
         self._effort: Effort | None = None
+        self._twins = Twins(len(self._readings.position))
         self._accuracies: tuple[int, Accuracies] | None = None
         self.notes: tuple[Note, ...] = scene.notes
         self._kept: list[tuple[DeviceElements, SurfaceLight, int]] = []
@@ -195,6 +197,7 @@ class RadiositySolver:
             "record": pack_record(self.record, cpu_seconds=self.cpu_seconds, wall_seconds=seconds),
             "round": pack_round(self._pacer.size, self._pacer.rounds),
             **({f"effort/{name}": array for name, array in self._effort.arrays.items()} if self._effort else {}),
+            **{f"twins/{name}": array for name, array in self._twins.checkpoint().items()},
             **{f"readings/{name}": array for name, array in self._readings.checkpoint().items()},
             **{f"surfaces/{name}": array for name, array in surfaces.checkpoint().items()},
         }
@@ -222,6 +225,7 @@ class RadiositySolver:
         """Put the moments and the record back; returns the other numbers."""
         effort = part_of(kept, "effort")
         self._effort = Effort(**effort) if effort else None
+        self._twins.restore(part_of(kept, "twins"))
         self._readings.restore(part_of(kept, "readings"))
         self._accuracies = None
         self._prepare().restore(part_of(kept, "surfaces"))
@@ -266,6 +270,7 @@ class RadiositySolver:
         self._pacer.size = size
         self._readings = self._make_moments()
         self._surfaces, self._effort, self._accuracies = None, None, None
+        self._twins = Twins(len(self._readings.position))
         self._kept = []
         self.record.defects.clear()
         self.record.convergence.clear()
@@ -278,11 +283,12 @@ class RadiositySolver:
         with self.record.timed("readings"):
             if self._effort is None:
                 even = self._plan_effort(self._readings, surfaces.on_device_elements, light, seed)
-                self._effort = even.focused(self._readings.planes.spread(self._pacer.size.focus))
-            self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
-        plan = self.plan
-        per_reading = plan.n_emitters * plan.light_samples + (2 * self.options.lookup - 1) * plan.gather_samples
-        self.record.rays += len(self._readings.position) * per_reading
+                spread, size = self._readings.planes.spread, self._pacer.size
+                self._effort = even.focused(spread(size.focus)).looking(spread(size.lookup))
+            first = self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
+            if self.options.accuracy is not None:
+                self._read_twins(first, surfaces.on_device_elements, light, seed, self._effort)
+        self.record.rays += self._effort.rays(self.plan.n_emitters)
         size = light.reflected.nbytes + light.emitter_choice.nbytes
         if len(self._kept) < 2 or (len(self._kept) + 1) * size <= KEPT_BYTES:
             self._kept.append((surfaces.on_device_elements, light, seed))
@@ -307,22 +313,11 @@ class RadiositySolver:
 
     def _read(
         self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int, effort: Effort
-    ) -> None:
+    ) -> ReadingSamples:
         """One replicate of readings."""
         scene = self._prepare().on_device
-        samples = read_points(
-            scene,
-            elements,
-            light,
-            moments.position,
-            moments.normal,
-            light_samples=effort.light,
-            gather_samples=effort.gather,
-            guide=effort.tables,
-            response=moments.planes.response,
-            rules=self._rules,
-            seed=seed ^ 0x5BD1E995,
-        )
+        everywhere = np.arange(len(moments.position))
+        samples = self._read_some(moments, everywhere, elements, light, seed ^ 0x5BD1E995, effort)
         unseen = brightest_unseen(
             scene,
             light,
@@ -333,6 +328,40 @@ class RadiositySolver:
             gather_samples=effort.gather,
         )
         moments.add(replicate_readings(self.plan.columns, samples, unseen))
+        return samples
+
+    def _read_some(
+        self,
+        moments: ReadingMoments,
+        chosen: NDArray[np.int64],
+        elements: DeviceElements,
+        light: SurfaceLight,
+        seed: int,
+        effort: Effort,
+    ) -> ReadingSamples:
+        """Light at some of the points, with an effort for all of them."""
+        response = moments.planes.response
+        return read_points(
+            self._prepare().on_device,
+            elements,
+            light,
+            moments.position[chosen],
+            moments.normal[chosen],
+            effort.some(chosen),
+            response=None if response is None else response[chosen],
+            rules=self._rules,
+            seed=seed,
+        )
+
+    def _read_twins(
+        self, first: ReadingSamples, elements: DeviceElements, light: SurfaceLight, seed: int, effort: Effort
+    ) -> None:
+        """Some points once more, to tell the noise of the elements from that of their own rays."""
+        chosen = self._twins.chosen
+        second = self._read_some(self._readings, chosen, elements, light, seed ^ 0x2545F491, effort)
+        weight = self.device.fetch(light.weight)[: first.irradiance.shape[1]].astype(np.float64)
+        pair = first.irradiance[chosen], second.irradiance
+        self._twins.add(*(np.einsum("xc,c->x", some, weight) for some in pair))
 
     @property
     def _rules(self) -> PathRules:
@@ -349,7 +378,8 @@ class RadiositySolver:
             return None
         if self._accuracies is None or self._accuracies[0] != self.replicates:
             shared = self._prepare().shared_errors()
-            found = Accuracies.of(self._readings.readings(shared, illuminance_only=True))
+            readings = self._readings.readings(shared, illuminance_only=True)
+            found = Accuracies.of(readings, self._twins.surface_share)
             self._accuracies = self.replicates, found
         return self._accuracies[1]
 

@@ -33,7 +33,7 @@ from hradiosity.solvers.error_growth import ErrorGrowth, error_growth
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Progress
 from hradiosity.solvers.southwell import shooting_weights
-from hradiosity.solvers.spectral_basis import SpectralBasis, choose_basis
+from hradiosity.solvers.spectral_basis import TOLERANCE, SpectralBasis, choose_basis
 from hradiosity.space.bvh import Bvh
 from hradiosity.space.companion import coarser_rows
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
@@ -480,4 +480,4 @@ class SurfaceSolver:
         sources = np.concatenate([columns.emission, columns.sky[None]])
         material = np.minimum(self.elements.row_material, len(columns.reflectance) - 1)
         area = np.bincount(material, weights=self.elements.area, minlength=len(columns.reflectance)).astype(np.float64)
-        return choose_basis(sources, columns.reflectance, area)
+        return choose_basis(sources, columns.reflectance, area, tolerance=min(TOLERANCE, self.options.tolerance))

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,7 @@ from numpy.typing import NDArray
 from hradiosity.model.scene import Looks, Luminaire, Material, Scene, Sensor
 from hradiosity.model.sensor_kinds import stacked_responses
 
+_Number = TypeVar("_Number", np.float64, np.int64)
 MOST_EFFORT = 4.0
 """Samples of a reading that is made of many planes, over those of a plane."""
 
@@ -79,7 +81,7 @@ class Composition:
         """(n_readings,) sum over the planes of each reading."""
         return planes if self.is_plain else np.add.reduceat(planes, self._first)
 
-    def spread(self, readings: NDArray[np.float64]) -> NDArray[np.float64]:
+    def spread(self, readings: NDArray[_Number]) -> NDArray[_Number]:
         """(n_planes,) what each plane's reading has; nothing for nothing."""
         return np.repeat(readings, self.count) if len(readings) else readings
 

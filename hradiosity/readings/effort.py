@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from typing import Any
 
@@ -41,16 +41,19 @@ class Effort:
     light : (n,) int64, shadow rays to each emitter
     gather : (n,) int64, paths
     guide : (n, parts) float32, share of the paths that start in each part of the hemisphere; no parts: evenly
+    lookup : (n,) int64, first hit of a path at which the solution may be looked up
     """
 
     light: NDArray[np.int64]
     gather: NDArray[np.int64]
     guide: NDArray[np.float32]
+    lookup: NDArray[np.int64]
 
     @classmethod
-    def even(cls, n: int, light: int, gather: int) -> Effort:
+    def even(cls, n: int, light: int, gather: int, lookup: int) -> Effort:
         """The same for all `n` readings."""
-        return cls(np.full(n, light, np.int64), np.full(n, gather, np.int64), np.zeros((n, 0), np.float32))
+        light_of, gather_of, lookup_of = (np.full(n, each, np.int64) for each in (light, gather, lookup))
+        return cls(light_of, gather_of, np.zeros((n, 0), np.float32), lookup_of)
 
     def focused(self, focus: NDArray[np.float64]) -> Effort:
         """So many times the samples (n,), in steps of a factor 2; the same if there are no entries."""
@@ -60,7 +63,19 @@ class Effort:
         light, gather = (
             np.maximum(np.rint(times * part), part > 0).astype(np.int64) for part in (self.light, self.gather)
         )
-        return Effort(light, gather, self.guide)
+        return replace(self, light=light, gather=gather)
+
+    def looking(self, lookup: NDArray[np.int64]) -> Effort:
+        """The same with lookups at these hits (n,); the same if there are no entries."""
+        return replace(self, lookup=lookup) if len(lookup) else self
+
+    def some(self, chosen: NDArray[np.int64]) -> Effort:
+        """That of some of the readings."""
+        return Effort(**{name: array[chosen] for name, array in self.arrays.items()})
+
+    def rays(self, n_emitters: int) -> int:
+        """About how many they take: paths that go on send a shadow ray from each hit."""
+        return int(n_emitters * self.light.sum() + ((2 * self.lookup - 1) * self.gather).sum())
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
@@ -101,7 +116,7 @@ def plan_effort(
     """
     n = len(position)
     if n == 0 or gather_samples <= PILOT_PATHS // 2:
-        return Effort.even(n, light_samples, gather_samples)
+        return Effort.even(n, light_samples, gather_samples, rules.lookup)
     weight = scene.device.fetch(light.weight)
     brightness = np.einsum("ec,c->e", light.emission, weight)
     pilot = min(PILOT_LIGHT_SAMPLES, max(LEAST_LIGHT_SAMPLES, ALL_LIGHT_SAMPLES // max(scene.n_emitters, 1)))
@@ -126,7 +141,7 @@ def plan_effort(
         np.divide(np.sqrt(some), total, out=np.zeros(n), where=total > 0.0) for some in (variance, partial.sum(axis=1))
     )
     rays = Split(gather_samples, light_samples, SHADOW_RAY * scene.n_emitters)
-    return Effort(*rays.shared(STRATIFIED * penumbra, gather), shares)
+    return Effort(*rays.shared(STRATIFIED * penumbra, gather), shares, np.full(n, rules.lookup))
 
 
 def _partial(

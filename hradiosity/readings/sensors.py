@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device.device import DeviceArray
+from hradiosity.readings.effort import Effort
 from hradiosity.readings.path_tracing import (
     PathRules,
     PathSamples,
@@ -51,12 +52,10 @@ def read_points(
     light: SurfaceLight,
     position: NDArray[np.float64],
     normal: NDArray[np.float64],
+    effort: Effort,
     *,
-    light_samples: NDArray[np.int64],
-    gather_samples: NDArray[np.int64],
     rules: PathRules,
     seed: int,
-    guide: NDArray[np.float32] | None = None,
     response: NDArray[np.float32] | None = None,
 ) -> ReadingSamples:
     """Irradiance at points: E = D + ⟨ρ(y₁) (D(y₁) + ρ(y₂) (D(y₂) + …))⟩ over cosine-distributed directions.
@@ -65,13 +64,10 @@ def read_points(
     ----------
     position, normal : (n, 3) float64
         World frame [m], unit normals.
-    light_samples : (n,) int64
-        Shadow rays to each emitter.
-    gather_samples : (n,) int64
-        Paths; 0 leaves reflected light out.
+    effort : Effort
+        No paths leave reflected light out.
     rules : PathRules
-    guide : (n, entries) float32, optional
-        Tables of `hradiosity.readings.guide`.
+        But for lookups, which are the effort's.
     response : (n, 12) float32, optional
         How directions weigh, see `hradiosity.model.sensor_kinds`.
     """
@@ -79,18 +75,20 @@ def read_points(
     used = light.columns.n_columns
     emission = light.emission[:, :used]
     irradiance = np.zeros((n, used))
-    for count in np.unique(light_samples):
-        part = np.flatnonzero(light_samples == count)
+    for count in np.unique(effort.light):
+        part = np.flatnonzero(effort.light == count)
         weighing = None if response is None else response[part]
         direct = direct_at_points(scene, position[part], normal[part], int(count), seed + int(count), response=weighing)
         irradiance[part] = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
     enclosed, some_row = np.zeros(n), np.full(n, -1)
     change = np.zeros((n, used))
-    for part, count in _batches(gather_samples):
+    guide = effort.tables
+    for part, count, lookup in _batches(effort):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
         points = upload_points(scene, position[part], normal[part], None if response is None else response[part])
         tables = None if guide is None else scene.device.upload(guide[part])
-        gathered = _gather(scene, elements, light, points, count, batch_seed, rules, tables)
+        its_rules = replace(rules, lookup=lookup)
+        gathered = _gather(scene, elements, light, points, count, batch_seed, its_rules, tables)
         irradiance[part] += gathered.irradiance[:, :used]
         enclosed[part], some_row[part] = gathered.enclosed, gathered.some_row
         if gathered.change is not None:
@@ -143,10 +141,11 @@ def _enclosed(scene: DeviceScene, paths: PathSamples, row: NDArray[np.uint32]) -
     return np.asarray(((first_hit == NONE) & (row == COVERED)).mean(axis=1))
 
 
-def _batches(samples: NDArray[np.int64]) -> Iterator[tuple[NDArray[np.int64], int]]:
-    """Points with one number of paths each, few enough at a time for the device."""
-    for count in np.unique(samples[samples > 0]):
-        points = np.flatnonzero(samples == count)
+def _batches(effort: Effort) -> Iterator[tuple[NDArray[np.int64], int, int]]:
+    """Points with one number of paths and one lookup each, few enough at a time for the device."""
+    kinds = np.column_stack([effort.gather, effort.lookup])
+    for count, lookup in np.unique(kinds[effort.gather > 0], axis=0):
+        points = np.flatnonzero((effort.gather == count) & (effort.lookup == lookup))
         size = max(1, BATCH_PATHS // int(count))
         for first in range(0, len(points), size):
-            yield points[first : first + size], int(count)
+            yield points[first : first + size], int(count), int(lookup)

@@ -26,7 +26,11 @@ class SpectralBasis:
 
 
 def choose_basis(
-    emission: NDArray[np.floating], reflectance: NDArray[np.floating], area: NDArray[np.floating]
+    emission: NDArray[np.floating],
+    reflectance: NDArray[np.floating],
+    area: NDArray[np.floating],
+    *,
+    tolerance: float = TOLERANCE,
 ) -> SpectralBasis | None:
     """Columns by which the reflected light of all others can be expressed; None where nearly all are needed.
 
@@ -40,6 +44,8 @@ def choose_basis(
     reflectance : (n_materials, n_columns) [1]
     area : (n_materials,)
         Area of each material [m²]: how much its products count.
+    tolerance : float
+        Part of any column's expected light that the combination may miss.
     """
     if emission.shape[1] == 0:
         return None
@@ -54,7 +60,7 @@ def choose_basis(
     while True:
         missing = np.sqrt(np.einsum("fc,fc->c", rest, rest))
         worst = int(np.argmax(missing))
-        if missing[worst] <= TOLERANCE:
+        if missing[worst] <= tolerance:
             break
         if len(solved) >= most:
             return None

@@ -17,7 +17,8 @@ from hradiosity.options import Options
 from hradiosity.planning import make_plan
 from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.surfaces import SurfaceSolver
-from hradiosity.readings.guide import guide_shares, guide_tables
+from hradiosity.readings.effort import Effort
+from hradiosity.readings.guide import guide_shares
 from hradiosity.readings.path_tracing import PathRules, upload_points
 from hradiosity.readings.paths import trace_referee
 from hradiosity.readings.sensors import read_points
@@ -99,11 +100,9 @@ def test_a_replicate(device, bands):
         light,
         sensor.position,
         sensor.normal,
-        light_samples=few,
-        gather_samples=few,
+        Effort(few, few, shares, np.array([1, 3])),
         rules=PathRules(1, 0.5, 1.0),
         seed=1,
-        guide=guide_tables(shares),
     )
     irradiance = plan.columns.to_bands(samples.irradiance)
     assert irradiance.shape == (2, bands)

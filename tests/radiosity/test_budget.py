@@ -24,9 +24,10 @@ from hradiosity.radiosity.solver import RadiositySolver
 SMALL = Options(elements=200, rays_per_element=128, light_points=8, light_samples=64, gather_samples=256, replicates=8)
 
 
-def found(sampling, fixed=0.0, mesh=0.0):
+def found(sampling, mesh=0.0, *, exchange=0.0, other=0.0, surfaces=0.0):
     sampling = np.atleast_1d(np.asarray(sampling, float))
-    return Accuracies(sampling, np.full(len(sampling), fixed), np.full(len(sampling), mesh))
+    parts = (np.broadcast_to(np.asarray(part, float), sampling.shape) for part in (mesh, exchange, other))
+    return Accuracies(sampling, *parts, surfaces)
 
 
 def furnished_room():
@@ -46,7 +47,7 @@ def test_half_the_error_takes_about_four_times_the_replicates():
     """A little fewer, since the quantile of Student falls as well: t(30) √8 < t(7) √31 / 2."""
     assert replicates_needed(found(0.02), 0.01, 8) == 25
     assert replicates_needed(found(0.01), 0.01, 8) == 8
-    assert replicates_needed(found(0.02, fixed=0.011), 0.01, 8) is None
+    assert replicates_needed(found(0.02, other=0.011), 0.01, 8) is None
 
 
 def test_more_of_the_same_while_that_is_cheap():
@@ -60,12 +61,45 @@ def test_unsure_readings_get_more_samples_and_sure_ones_as_many():
     assert larger.options.elements == SMALL.elements
 
 
-def test_elements_shrink_when_the_mesh_part_is_too_large():
-    """Four times too large a mesh part: (4/0.5)^(2/1.5) = 16 times as many elements."""
-    larger = next_round(found(0.005, fixed=0.04, mesh=0.04), 0.01, Round(SMALL), 8)
-    assert larger.options.elements == pytest.approx(16 * SMALL.elements, rel=0.01)
-    by_edge = next_round(found(0.005, fixed=0.04, mesh=0.04), 0.01, Round(replace(SMALL, element_size=0.4)), 8)
-    assert by_edge.options.element_size == pytest.approx(0.1, rel=0.01)
+def test_all_elements_shrink_when_the_mesh_part_of_most_readings_is_too_large():
+    """Four times the accuracy, 8.9 times its share: 8.9^(2/1.5) = 18 times as many elements, or somewhat more."""
+    many = np.full(4000, 0.005)
+    larger = next_round(found(many, mesh=0.04), 0.01, Round(SMALL), 8)
+    assert 18.0 <= larger.options.elements / SMALL.elements <= 22.0
+    assert (larger.lookup == 1).all()
+    by_edge = next_round(found(many, mesh=0.04), 0.01, Round(replace(SMALL, element_size=0.4)), 8)
+    assert 18.0 <= (0.4 / by_edge.options.element_size) ** 2 <= 22.0
+
+
+def test_few_readings_beside_large_elements_look_up_later():
+    """That costs less than smaller elements everywhere; their paths vary more, and they get more of them."""
+    mesh = np.zeros(400)
+    mesh[:3] = 0.011
+    larger = next_round(found(np.full(400, 0.009), mesh=mesh), 0.01, Round(replace(SMALL, elements=8000)), 8)
+    assert larger.options.elements == 8000
+    assert (larger.lookup[:3] == 3).all() and (larger.lookup[3:] == 1).all()
+    assert (larger.focus[:3] > 2.0 * larger.focus[3]).all()
+
+
+def test_rays_of_elements_follow_the_exchange_part_and_the_share_of_their_noise():
+    few = next_round(found([0.005], exchange=0.01), 0.01, Round(SMALL), 8)
+    assert few.options.rays_per_element == pytest.approx(4.0 * SMALL.rays_per_element, rel=0.01)
+    own = next_round(found([0.05] * 9), 0.01, Round(SMALL), 8).options
+    shared = next_round(found([0.05] * 9, surfaces=0.5), 0.01, Round(SMALL), 8).options
+    assert own.rays_per_element == SMALL.rays_per_element < shared.rays_per_element / 20
+
+
+def test_the_solver_goes_on_where_its_tolerance_is_what_is_left():
+    tighter = next_round(found([0.005], other=0.012), 0.01, Round(SMALL), 8).options.tolerance
+    assert tighter == pytest.approx(SMALL.tolerance / 3.0)
+
+
+def test_a_round_always_asks_for_something_else():
+    """Whichever part is too large, or the run would repeat the round for ever."""
+    for parts in ({"mesh": 0.009}, {"exchange": 0.009}, {"other": 0.009}):
+        before = Round(SMALL)
+        after = next_round(found([0.006], **parts), 0.01, before, 8)
+        assert after.options != before.options or (after.lookup != SMALL.lookup).any()
 
 
 def test_growth():
