@@ -34,6 +34,9 @@ DEEP_GAIN, DEEP_NOISE, DEEP_PRICE = 2.5, 4.0, 2.5
 of office and Cornell box, for lookups at the first hit before."""
 ELEMENT_PATHS: Final = 200.0
 """Price of an element in all replicates, in paths: rays, closing and solution. Measured in the office."""
+MOST_READINGS: Final = 0.9
+"""Share of the readings whose exchange part a new round brings down to that; of the others it is mostly noise, and only
+brought down to the accuracy."""
 SURFACES_ROOM: Final = 0.25
 """Of the variance that a new round may have, what may come from the light on the elements."""
 SAMPLES_ORDER: Final = 1.2
@@ -170,7 +173,9 @@ def next_round(found: Accuracies, accuracy: float, last: Round, done: int) -> Ro
     need = np.clip((excess * np.where(deep, DEEP_NOISE, 1.0)) ** (1.0 / SAMPLES_ORDER), 1.0, MOST_GROWTH)
     exchange = np.where(deep, found.exchange / DEEP_GAIN, found.exchange)
     noise = found.surfaces * float(np.median(excess)) / SURFACES_ROOM / elements
-    rays = min(max(float(exchange.max(initial=0.0)) / targets[1], noise, 1.0), MOST_GROWTH)
+    usual = float(np.quantile(exchange, MOST_READINGS)) if len(exchange) else 0.0
+    worst = float(exchange.max(initial=0.0)) / accuracy
+    rays = min(max(usual / targets[1], worst, noise, 1.0), MOST_GROWTH)
     options = grown(last.options, elements=elements, rays=rays)
     looser = float(found.other.max(initial=0.0)) / targets[2]
     if looser > 1.0:
