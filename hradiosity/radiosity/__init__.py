@@ -47,7 +47,9 @@ def _refuse_variants(scene: Scene) -> None:
     if scene.variants:
         names = ", ".join(variant.name for variant in scene.variants)
         found = f"the classic mode for a scene with variants: {names}"
-        raise SceneError([Fault("command line", "--mode", found, "rays; or a scene without variants and maintenance factors")])
+        raise SceneError(
+            [Fault("command line", "--mode", found, "rays; or a scene without variants and maintenance factors")]
+        )
 
 
 def _refuse_responses(scene: Scene) -> None:
