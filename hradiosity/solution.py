@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from hradiosity.estimate import Estimate
-from hradiosity.model.looking import luminance_sensor
+from hradiosity.model.looking import looking_sensor
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.plan import Plan
 from hradiosity.space.hierarchy import Elements
@@ -277,9 +277,6 @@ class Solution:
     def look(self, eye: ArrayLike, directions: ArrayLike, *, together: bool = False) -> Readings:
         """Radiance and luminance of what is seen from an eye.
 
-        Its readings have the kind "luminance": ``irradiance`` is radiance [W m⁻² sr⁻¹ per band], ``illuminance``
-        luminance [cd m⁻²].
-
         Parameters
         ----------
         eye : (3,) float [m]
@@ -288,22 +285,12 @@ class Solution:
         together : bool
             One reading, the mean over all directions.
 
-        Raises
-        ------
-        ValueError
-            When shapes do not fit, something is not finite or a direction is 0.
-        RuntimeError
-            When the solution has no solver behind it.
+        Returns
+        -------
+        Readings
+            Of the kind "luminance". Raises as `read` does.
         """
-        place, ways = np.asarray(eye, np.float64), np.atleast_2d(np.asarray(directions, np.float64))
-        length = np.linalg.norm(ways, axis=1, keepdims=True)
-        if place.shape != (3,) or ways.shape[1:] != (3,) or not np.isfinite(place).all() or not np.isfinite(ways).all():
-            raise ValueError(f"an eye (3,) and directions (n, 3) are needed, not {place.shape} and {ways.shape}")
-        if not (length > 0.0).all():
-            raise ValueError("a vector of length 0 has no direction")
-        ways = ways / length
-        count = len(ways) if together else 1
-        return self.read_sensor(luminance_sensor("look", place, ways, count, ways[::count], self.scene))
+        return self.read_sensor(looking_sensor(eye, directions, together, self.scene))
 
     @property
     def exitance(self) -> NDArray[np.float64]:

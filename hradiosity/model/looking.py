@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from hradiosity.model.geometry import NONE, Patches
 from hradiosity.model.scene import Emitters, Looks, Luminaire, Material, Parts, Scene, Sensor, View
@@ -109,6 +109,25 @@ def luminance_sensor(
     eyes = np.repeat(eye[None], len(towards), axis=0)
     parts = Parts("luminance", count, eyes, towards, looks=looks)
     return Sensor(name, np.where(hit[:, None], place, origin), normal, parts=parts)
+
+
+def looking_sensor(eye: ArrayLike, directions: ArrayLike, together: bool, scene: Scene) -> Sensor:
+    """As `luminance_sensor`, from directions of any length; a reading for each, or one of their mean.
+
+    Raises
+    ------
+    ValueError
+        When shapes do not fit, something is not finite or a direction is 0.
+    """
+    place, ways = np.asarray(eye, np.float64), np.atleast_2d(np.asarray(directions, np.float64))
+    if place.shape != (3,) or ways.shape[1:] != (3,) or not (np.isfinite(place).all() and np.isfinite(ways).all()):
+        raise ValueError(f"an eye (3,) and directions (n, 3), all finite, are needed, not {place.shape}, {ways.shape}")
+    length = np.linalg.norm(ways, axis=1, keepdims=True)
+    if not (length > 0.0).all():
+        raise ValueError("a vector of length 0 has no direction")
+    ways = ways / length
+    count = len(ways) if together else 1
+    return luminance_sensor("look", place, ways, count, ways[::count], scene)
 
 
 def pixel_directions(

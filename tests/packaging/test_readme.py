@@ -17,12 +17,12 @@ def blocks(language):
 
 
 def test_the_scene_can_be_loaded(tmp_path):
-    text, variants = blocks("toml")
+    text, sensors, variants = blocks("toml")
     (tmp_path / "spectra").mkdir()
     (tmp_path / "spectra" / "wall.csv").write_text("380,0.5\n780,0.7\n")
-    (tmp_path / "scene.toml").write_text(text + variants)
+    (tmp_path / "scene.toml").write_text(text + sensors + variants)
     scene = load_scene(tmp_path)
-    assert [len(sensor.position) for sensor in scene.sensors] == [35]
+    assert [sensor.n_readings for sensor in scene.sensors] == [35, 7 * 5, 2, 1, 1, 2, 1]
     assert len(scene.views) == 1
     assert [variant.name for variant in scene.variants] == ["dark walls", "tubes"]
     lamp = scene.emitters.patch[0]
