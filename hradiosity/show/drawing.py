@@ -122,13 +122,18 @@ class Drawing:
         xyz[self.points.side == ABOVE] = self.sky
         return xyz.astype(np.float32)
 
+    @cached_property
+    def smooth_radiance(self) -> NDArray[np.float32]:
+        """`radiance` of the smooth picture."""
+        return self.radiance(self.smooth)
+
     def shown(self, xyz: NDArray[np.float32]) -> NDArray[np.float32]:
         """X, Y, Z (n, 3) as displays show them, adapted if that was asked for."""
         return self.white.shown(xyz).astype(np.float32)
 
     def dull_radiance(self) -> NDArray[np.float32]:
         """X, Y, Z of the points on surfaces that do not shine, (m, 3)."""
-        return self.radiance(self.smooth)[self.hit & ~self.shining]
+        return self.smooth_radiance[self.hit & ~self.shining]
 
     def dull_illuminance(self) -> NDArray[np.float32]:
         """Illuminance [lx] of the points on surfaces that do not shine, (m,)."""
@@ -195,14 +200,14 @@ _Drawn = tuple[NDArray[np.uint8], dict[str, NDArray[np.float32]], dict[str, str]
 
 
 def _shaded(drawing: Drawing, mode: str, white: float, _scale: Scale) -> _Drawn:
-    xyz = drawing.radiance(drawing.flat if mode == "flat" else drawing.smooth)
+    xyz = drawing.radiance(drawing.flat) if mode == "flat" else drawing.smooth_radiance
     developed = develop(drawing.points, drawing.shown(xyz), drawing.view.height, drawing.view.width, white)
     return developed.pixels, _xyz_channels(drawing, xyz), _exposure_texts(drawing, white), developed
 
 
 def _wireframe(drawing: Drawing, _mode: str, white: float, _scale: Scale) -> _Drawn:
     """Dimmed smooth shading with white outlines: faint ones of leaves, strong ones of cells."""
-    xyz = drawing.shown(drawing.radiance(drawing.smooth))
+    xyz = drawing.shown(drawing.smooth_radiance)
     height, width = drawing.view.height, drawing.view.width
     linear = np.clip(xyz_to_linear_srgb(xyz.astype(np.float64), white), 0.0, 1.0)
     shaded = pixel_means(drawing.points, linear, height * width)
@@ -228,7 +233,7 @@ def _unshaded(drawing: Drawing, _mode: str, _white: float, _scale: Scale) -> _Dr
 def _false_color(drawing: Drawing, _mode: str, _white: float, scale: Scale) -> _Drawn:
     height, width = drawing.view.height, drawing.view.width
     is_illuminance = scale.quantity == "illuminance"
-    values = drawing.smooth[:, 3] if is_illuminance else drawing.radiance(drawing.smooth)[:, 1]
+    values = drawing.smooth[:, 3] if is_illuminance else drawing.smooth_radiance[:, 1]
     means = pixel_means(drawing.points, np.stack([values, drawing.hit], axis=1), height * width)
     share = means[:, 1].reshape(height, width)
     of_surfaces = np.where(drawing.hit, values, 0.0)[:, None]

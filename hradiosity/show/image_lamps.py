@@ -11,9 +11,9 @@ from hradiosity.device.device import DeviceArray
 from hradiosity.space.hierarchy import NONE
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
-LAMP_POINTS: Final = 32
-"""Points on each element that try every lamp."""
-BOUND_POINTS: Final = 8
+LAMP_POINTS, LEAST_LAMP_POINTS, ALL_LAMP_POINTS = 32, 4, 512
+"""Points on each element that try every lamp; fewer where there are many lamps, for about so many rays in all."""
+BOUND_POINTS: Final = 4
 """Points on each element at which closed forms tell what comes if nothing is in the way."""
 CLEAR_LAMPS: Final = 8
 """Lamps of an element that count by their closed forms, at most; as in ``cl/kernels/image.cl``."""
@@ -21,6 +21,11 @@ LEAST_DOUBT: Final = 0.02
 """Doubt about a lamp of which all points of an element see all or nothing, where 1/4 is the most."""
 EVEN_SHARE: Final = 0.1
 """Of the probability with which lamps are tried, shared evenly."""
+
+
+def lamp_points(n_emitters: int) -> int:
+    """Points on each element that try every lamp."""
+    return min(LAMP_POINTS, max(LEAST_LAMP_POINTS, ALL_LAMP_POINTS // max(n_emitters, 1)))
 
 
 def lamp_tables(

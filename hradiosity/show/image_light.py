@@ -14,7 +14,7 @@ from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Scene
 from hradiosity.radiosity.surfaces import MOST_CONTRAST
 from hradiosity.show.image_guide import row_guides
-from hradiosity.show.image_lamps import LAMP_POINTS, lamp_tables
+from hradiosity.show.image_lamps import lamp_points, lamp_tables
 from hradiosity.solution import Solution
 from hradiosity.space.hierarchy import NONE
 from hradiosity.transport.contrast import side_contrast
@@ -64,7 +64,7 @@ def image_light(solution: Solution, on_device: DeviceScene) -> ImageLight:
     row_paint = glow.paint.ravel()[first_side]
     reflected = own[row_paint] * solution.surfaces.irradiance * plan.interreflection + shining[row_paint]
     hits = trace_rows(on_device, elements, ROW_RAYS, _seed(solution))
-    per_emitter = direct_on_rows(on_device, elements, hits, LAMP_POINTS, _seed(solution))
+    per_emitter = direct_on_rows(on_device, elements, hits, lamp_points(on_device.n_emitters), _seed(solution))
     emission = _emission(sampled_scene(scene, plan.weak_emitters))
     sky = np.zeros(len(scene.bands)) if scene.sky is None else np.pi * scene.sky.radiance
     weight = luminous_weights(scene.bands) + 1.0
