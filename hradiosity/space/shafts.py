@@ -28,6 +28,9 @@ MOST_VISITS: Final = 64
 """Nodes and leaves of the ray structure that the search for something in between may look into."""
 FARTHEST: Final = 3.0
 """Pairs farther apart than so many mean free paths of light are not proved free: hardly any shaft so long is empty."""
+MOST_CELLS: Final = 32
+"""Row elements of more cells are not tried: all of them would have to be proved, which costs more than the few rays of
+the row that a proof may save."""
 BATCH_PAIRS: Final = 1 << 22
 """Pairs on the device at a time."""
 
@@ -201,6 +204,7 @@ def _cell_sight(
     depth = int(top.max(initial=0))
     sight = np.zeros((len(lit_side), len(emitters.patch)), np.uint8)
     shared = _share_a_space(lit, emitters)
+    shared[elements.cell_side[np.diff(elements.row_start)[elements.cell_row] > MOST_CELLS]] = False
     for level in range(depth, -1, -1):
         squares = _level(lit_side, divisions, triangle, top, level)
         if level < depth:
