@@ -18,6 +18,7 @@ from hradiosity.show.exposure import to_bytes, white_luminance
 from hradiosity.show.scale_bar import Scale, automatic_scale
 from hradiosity.show.white import White
 from hradiosity.show.window.look import Quantity
+from hradiosity.show.window.seams import level_seams
 from hradiosity.show.window.vertices import corner_means, shared_corners
 
 DIMMED: Final = 0.5
@@ -98,7 +99,8 @@ class LightValues:
     def smooth(self) -> Values:
         """One value a corner."""
         columns = np.column_stack([self._reflected, self._lux])
-        means = corner_means(self._drawn.cells, self._light, self.vertex, columns)
+        cells, light = self._drawn.cells, self._light
+        means = level_seams(cells, light, self.vertex, corner_means(cells, light, self.vertex, columns))
         return Values((means[..., :3] + self._emitted[:, None, :]) / np.pi, means[..., 3])
 
 

@@ -150,8 +150,9 @@ def status_words(viewer: Viewer) -> Words:
         words.append(("not solved yet: paints", INK))
     words += [(text, INK) for text in (_exposure_words(viewer), _lines_words(look), _section_words(viewer)) if text]
     if look.gamut and subject.values is not None:
-        share = float(np.mean(subject.out_of_gamut())) if len(subject.cells) else 0.0
-        words.append((f"magenta: outside sRGB, {100.0 * share:.2g} % of cells", (255, 110, 255, 255)))
+        area = subject.cells.area
+        share = float(area[subject.out_of_gamut()].sum() / max(float(area.sum()), 1e-300))
+        words.append((f"magenta: outside sRGB, {100.0 * share:.2g} % of the area", (255, 110, 255, 255)))
     if look.marks:
         words += [("sensors", _ink(SKY_BLUE)), ("lamps", _ink(ORANGE)), ("cameras", _ink(PURPLE))]
     words.append(("on foot" if viewer.walking else "orbit", FAINT))

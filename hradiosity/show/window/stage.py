@@ -49,6 +49,10 @@ class SurfaceActor:
         self._behind.GetProperty().SetColor(_BACKS)
         self._behind.GetMapper().ScalarVisibilityOff()
         self._behind.VisibilityOff()
+        # Where one patch has cells on both sides, the coloured one wins.
+        mapper = self._behind.GetMapper()
+        mapper.SetResolveCoincidentTopologyToPolygonOffset()
+        mapper.SetRelativeCoincidentTopologyPolygonOffsetParameters(2.0, 8.0)
         for actor in (self._behind, self._actor):
             renderer.AddActor(actor)
 

@@ -26,11 +26,20 @@ def shared_corners(cells: Cells, light: Light) -> NDArray[np.int64]:
     low, high = cells.corners.min(axis=(0, 1)), cells.corners.max(axis=(0, 1))
     step = _SAME_PLACE * max(float(np.linalg.norm(high - low)), 1e-30)
     place = np.floor((cells.corners - low) / step + _OFFSET).astype(np.int64)
-    facing = np.floor(cells.normal / _SAME_NORMAL + _OFFSET).astype(np.int64)
-    kind = np.column_stack([cells.object, cells.material, light.space[cells.element], facing])
-    key = _mixed(place.reshape(-1, 3)) * np.uint64(31) + np.repeat(_mixed(kind), 4)
+    key = _mixed(place.reshape(-1, 3)) * np.uint64(31) + np.repeat(_surface_keys(cells, light), 4)
     number: NDArray[np.int64] = np.unique(key, return_inverse=True)[1].reshape(-1, 4)
     return number
+
+
+def surface_kinds(cells: Cells, light: Light) -> NDArray[np.int64]:
+    """(n,) number of the object, material, space and direction of each cell together."""
+    kinds: NDArray[np.int64] = np.unique(_surface_keys(cells, light), return_inverse=True)[1].reshape(-1)
+    return kinds
+
+
+def _surface_keys(cells: Cells, light: Light) -> NDArray[np.uint64]:
+    facing = np.floor(cells.normal / _SAME_NORMAL + _OFFSET).astype(np.int64)
+    return _mixed(np.column_stack([cells.object, cells.material, light.space[cells.element], facing]))
 
 
 def corner_means(

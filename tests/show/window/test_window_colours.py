@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from hradiosity.io.drawn_scene import Cells, Light
 from hradiosity.io.results_reading import read_result
 from hradiosity.io.scene_drawing import draw_scene
 from hradiosity.metrics.colorimetric import encode_srgb, xyz_to_linear_srgb
@@ -17,6 +18,7 @@ from hradiosity.show.window.colours import LightValues
 from hradiosity.show.window.look import MODES, Look
 from hradiosity.show.window.navigation import pose_of_view
 from hradiosity.show.window.picking import pick_cell
+from hradiosity.show.window.seams import level_seams
 from hradiosity.show.window.subject import GAMUT_MARK, Choices, Subject
 from hradiosity.show.window.vertices import corner_means, shared_corners
 
@@ -95,6 +97,57 @@ def test_linear_light_stays_linear_inside(subject):
     inner = np.bincount(vertex.ravel())[vertex] == 4
     inner[cells.is_triangle] = False
     np.testing.assert_allclose(at_corner[inner], cells.corners[inner], atol=1e-9)
+
+
+def two_patches():
+    """Two halves of a square, cut 1 × 1 and 3 × 3: their corners meet at two places only."""
+    grids = [(np.array([0.0, 0.0, 0.0]), 1), (np.array([1.0, 0.0, 0.0]), 3)]
+    corners, place, grid, patch = [], [], [], []
+    for number, (origin, n) in enumerate(grids):
+        for i in range(n):
+            for j in range(n):
+                here = np.array([[i, j], [i + 1, j], [i + 1, j + 1], [i, j + 1]])
+                corners.append(origin + np.column_stack([here / n, np.zeros(4)]))
+                place.append(here)
+                grid.append([n, n])
+                patch.append(number)
+    n = len(corners)
+    zero = np.zeros(n, np.int32)
+    cells = Cells(
+        corners=np.array(corners),
+        is_triangle=np.zeros(n, np.bool_),
+        element=np.arange(n, dtype=np.int32),
+        material=zero,
+        object=zero,
+        patch=np.array(patch, np.int32),
+        side=zero,
+        place=np.array(place, np.int32),
+        grid=np.array(grid, np.int32),
+        width=zero + 1,
+        luminaire=zero - 1,
+    )
+    return cells, Light(np.ones((n, 1)), np.ones(n), zero, 1)
+
+
+def test_linear_light_has_no_seam_between_patches():
+    """With the right values of a linear field at all corners, levelling changes none of them."""
+    cells, light = two_patches()
+    vertex = shared_corners(cells, light)
+    field = cells.corners @ np.array([[2.0, 0.0], [1.0, -3.0], [0.0, 0.0]])
+    np.testing.assert_allclose(level_seams(cells, light, vertex, field), field, atol=2e-3)
+
+
+def test_a_step_between_patches_is_levelled():
+    cells, light = two_patches()
+    vertex = shared_corners(cells, light)
+    step = corner_means(cells, light, vertex, cells.patch[:, None].astype(float))
+    at_seam = (cells.corners[..., 0] == 1.0) & (cells.patch[:, None] == 1)
+    inner = at_seam & (cells.corners[..., 1] > 0.1) & (cells.corners[..., 1] < 0.9)
+    assert (step[inner] == 1.0).all(), "these corners are not shared"
+    levelled = level_seams(cells, light, vertex, step)
+    assert (levelled[inner] < 0.8).all()
+    away = cells.corners[..., 0] > 1.2
+    np.testing.assert_array_equal(levelled[away], 1.0)
 
 
 def test_saturated_light_is_marked(subject):
