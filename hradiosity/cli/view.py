@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import sys
 import time
 from dataclasses import replace
 from pathlib import Path
@@ -120,6 +121,7 @@ def _of_run(request: Request, out: Path) -> Request:
     if request.screenshot is None and request.page is None:
         check_display()
     partial = partial_of(out)
+    print(f"waiting for the light of the run in {partial}", file=sys.stderr)
     reader, end = LiveReader(partial), time.monotonic() + _PATIENCE
     while time.monotonic() < end and partial.is_dir():
         ask_for_light(partial)

@@ -1,13 +1,17 @@
 """Keys and buttons without a display, and ``hradiosity view`` on the command line."""
 
 import ctypes.util
+import shutil
 import sys
+from dataclasses import replace
 
 import numpy as np
 import pytest
 from PIL import Image
 
 from hradiosity.cli import main
+from hradiosity.cli.watching import light_of
+from hradiosity.io.live_light import LiveWriter, is_watched
 from hradiosity.io.results_reading import read_result
 from hradiosity.io.scene_drawing import draw_scene
 from hradiosity.show.window.commands import COMMANDS
@@ -173,6 +177,59 @@ def test_a_scene_is_shown_before_it_is_solved(off_screen, room):
     assert viewer.legend.scale.unit == "1"
     viewer.click(240, 180)
     assert viewer.facts().curves[-1].name == "reflectance"
+
+
+@NEEDS_GL
+def test_a_run_is_followed_from_its_scene_to_its_result(off_screen, room, solved, tmp_path):
+    from hradiosity.show.window.following import Follower
+    from hradiosity.show.window.viewer import Viewer
+
+    solution, folder = solved
+    viewer = Viewer([Subject(draw_scene(room), Choices())], ["room"], size=SIZE, off_screen=True)
+    out, partial = tmp_path / "out", tmp_path / "out.partial"
+    follower = Follower(out)
+    follower.update(viewer)
+    assert viewer.subject.values is None
+    partial.mkdir()
+    follower.update(viewer)
+    assert is_watched(partial), "the window asks for light"
+    writer, light = LiveWriter(partial), light_of(solution.surfaces, 1)
+    dim = replace(light, irradiance=0.1 * light.irradiance)
+    writer.write(solution.scene, solution.elements, dim, "first shots", settled=False)
+    follower.update(viewer)
+    white = viewer.subject.luminance(viewer.look)
+    assert viewer.running == "first shots"
+    assert [view.name for view in viewer.subject.drawn.views] == ["door", "corner"]
+    assert len(viewer.subject.drawn.sensors) == 8
+    viewer.click(240, 180)
+    before = viewer.facts()
+    writer.write(solution.scene, solution.elements, light, "more shots", settled=False)
+    follower.update(viewer)
+    assert viewer.subject.luminance(viewer.look) == white, "the exposure stays while light grows"
+    assert viewer.facts().title == before.title and viewer.facts().lines != before.lines
+    writer.write(solution.scene, solution.elements, light, "1 replicate done", settled=True)
+    follower.update(viewer)
+    assert viewer.subject.luminance(viewer.look) > 5.0 * white, "and is chosen once more now"
+    shutil.rmtree(partial)
+    shutil.copytree(folder, out)
+    follower.update(viewer)
+    assert viewer.running == ""
+    assert viewer.subject.drawn.sensors.numbers
+
+
+@NEEDS_GL
+def test_a_run_that_ends_without_a_result_is_told(off_screen, room, tmp_path):
+    from hradiosity.show.window.following import Follower
+    from hradiosity.show.window.viewer import Viewer
+
+    viewer = Viewer([Subject(draw_scene(room), Choices())], ["room"], size=SIZE, off_screen=True)
+    follower = Follower(tmp_path / "out")
+    (tmp_path / "out.partial").mkdir()
+    follower.update(viewer)
+    shutil.rmtree(tmp_path / "out.partial")
+    follower.update(viewer)
+    assert "without a result" in viewer.running
+    follower.close()
 
 
 @NEEDS_GL
