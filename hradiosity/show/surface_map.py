@@ -2,21 +2,29 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device import Device
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.geometry import BACK
 from hradiosity.show.light import PictureScene, picture_scene
 from hradiosity.solution import Solution
+from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.cell_lookup import locate_cells
+from hradiosity.space.hierarchy import NONE
 from hradiosity.space.leaf_fan import fan_weights
 from hradiosity.space.leaves import CENTRE
-from hradiosity.transport.device_scene import DeviceScene
+from hradiosity.transport.device_scene import DeviceScene, upload_scene
 from hradiosity.transport.glow import sampled_scene
 from hradiosity.transport.refine import RefinementGoal, RefinementOptions, ShadowLight, refine_shadows
+
+FINEST: Final = 1e-4
+"""Edge of the smallest leaves, relative to the scene's half extent."""
 
 
 @dataclass(frozen=True)
@@ -37,6 +45,20 @@ class SurfaceMap:
     def n_leaves(self) -> int:
         """Number of leaves."""
         return int(self.shadow.leaves.is_leaf.sum())
+
+    @property
+    def corners(self) -> NDArray[np.float64]:
+        """(n_leaves, 4, 3) corners of the leaves [m]; a triangle repeats its last one."""
+        return self.shadow.position[self._leaf_corners]
+
+    @property
+    def corner_lux(self) -> NDArray[np.float64]:
+        """(n_leaves, 4) illuminance there [lx]; NaN inside of things."""
+        return np.where(self.shadow.covered, np.nan, self.lux)[self._leaf_corners]
+
+    @property
+    def _leaf_corners(self) -> NDArray[np.int32]:
+        return self.shadow.vertex[self.shadow.leaves.is_leaf, :CENTRE]
 
     def at(
         self, side: NDArray[np.int64], u: NDArray[np.floating], v: NDArray[np.floating], *, flat: bool = False
@@ -65,6 +87,41 @@ class SurfaceMap:
         total = weights.sum(axis=1)
         value = np.einsum("nk,nk->n", weights, self.lux[vertices]) / np.where(total > 0.0, total, 1.0)
         return np.where(node < 0, np.nan, value)
+
+
+def map_objects(solution: Solution, device: Device, names: Sequence[str], *, error: float = 0.01) -> SurfaceMap:
+    """Map of all sides of some objects that light reaches.
+
+    Parameters
+    ----------
+    solution : Solution
+        Of a solver of this process, since it is read at the corners of the leaves; the samples of its options tell
+        the noise there.
+    names : sequence of str
+        Of the objects, as the scene has them; the floor of a box that is a room is no object of its own.
+    error : float
+        Root mean square error of the direct light that interpolation may leave, over the mean illuminance.
+
+    Raises
+    ------
+    ValueError
+        When there is no object of a name.
+    RuntimeError
+        When the solution was not made by a solver of this process.
+    """
+    scene = solution.scene
+    unknown = [name for name in names if name not in scene.objects]
+    if unknown:
+        raise ValueError(
+            f"there is no object {', '.join(map(repr, unknown))}; the scene has {', '.join(scene.objects)}"
+        )
+    chosen = np.isin(scene.patches.object, [scene.objects.index(name) for name in names])
+    sides = np.flatnonzero((solution.elements.first_cell != NONE) & chosen[:, None])
+    sampled = sampled_scene(scene, solution.plan.weak_emitters)
+    on_device = upload_scene(device, sampled, build_bvh(device, scene.patches), occlusion=solution.plan.occlusion)
+    return map_surfaces(
+        solution, on_device, sides, RefinementOptions(base_level=0, max_level=10, error=error), FINEST * on_device.scale
+    )
 
 
 def map_surfaces(

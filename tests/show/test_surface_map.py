@@ -6,7 +6,7 @@ from rooms import SceneBuilder
 
 from hradiosity import Options
 from hradiosity.radiosity import make_solver
-from hradiosity.show.surface_map import map_surfaces
+from hradiosity.show.surface_map import map_objects, map_surfaces
 from hradiosity.suites.maps.points import floor_sides, spread_points
 from hradiosity.transport.refine import RefinementOptions
 
@@ -79,6 +79,28 @@ def test_a_gap_of_a_millimetre_lets_in_what_it_should(device):
     bright = np.nanmean(lux[~under(points)])
     assert np.nanmax(lux[deep], initial=0.0) < 1e-3 * bright
     assert solution.readings["under"].illuminance[0] < 1e-3 * solution.readings["beside"].illuminance[0]
+
+
+def test_map_of_an_object(device):
+    """Its leaves cover the object and nothing else; at their corners is what sensors there read."""
+    b = SceneBuilder()
+    room = b.box((0, 0, 0), (2, 2, 2), b.material(0.7), inward=True)
+    b.lamp(room[CEILING], 100.0)
+    scene = b.scene()
+    solver = make_solver(scene, Options(elements=300, gather_samples=512, light_samples=128), device)
+    list(solver.states())
+    solution = solver.solution()
+    found = map_objects(solution, device, ["object"], error=0.05)
+    sides = found.corners[:, 2] - found.corners[:, 0]
+    area = np.linalg.norm(np.cross(sides, found.corners[:, 3] - found.corners[:, 1]), axis=1) / 2
+    assert area.sum() == pytest.approx(24.0, rel=1e-3)
+    assert found.n_leaves == len(found.corner_lux)
+    floor = np.abs(found.corners[:, :, 2]).max(axis=1) < 1e-9
+    middle = floor & (np.abs(found.corners[:, :, :2] - 1.0).max(axis=(1, 2)) < 0.6)
+    read = solution.read(found.corners[middle, 0], UP)
+    np.testing.assert_allclose(found.corner_lux[middle, 0], read.illuminance, rtol=0.05)
+    with pytest.raises(ValueError, match="no object 'table'"):
+        map_objects(solution, device, ["table"])
 
 
 def test_points_are_spread_evenly_over_the_floor(device):

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.show.light import picture_scene
-from hradiosity.show.surface_map import SurfaceMap, map_goal, read_map
+from hradiosity.show.surface_map import FINEST, SurfaceMap, map_goal, read_map
 from hradiosity.solution import Solution
 from hradiosity.space.cell_lookup import locate_cells
 from hradiosity.suites.maps.points import MapTruth
@@ -25,8 +25,6 @@ DIRECT_RAYS = 4096
 LEAST_DIRECT_RAYS = 256
 _LIFT = 2.0**-20
 """Height of points above their side, relative to the scene's half extent."""
-FINEST = 1e-4
-"""Edge of the smallest leaves, relative to the scene's half extent."""
 
 
 @dataclass(frozen=True)
