@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -11,13 +10,15 @@ from hradiosity.errors import Fault, SceneError
 from hradiosity.io.drawn_scene import Drawn
 from hradiosity.io.output_folder import RUN_FILE, RUNNING, partial_of, read_run
 from hradiosity.io.results_reading import read_result
+from hradiosity.show.files import write_bytes
 from hradiosity.show.window.difference import check_same_mesh
-from hradiosity.show.window.display import check_display, has_display
+from hradiosity.show.window.display import check_display, use_off_screen
 from hradiosity.show.window.look import Look, Quantity
+from hradiosity.show.window.page import page_bytes
+from hradiosity.show.window.standpoints import first_pose
 from hradiosity.show.window.subject import Choices, Subject
 from hradiosity.show.window.viewer import SIZE, Viewer
 
-OFF_SCREEN_WINDOW: Final = "vtkEGLRenderWindow"
 _RESULT_SUFFIX: Final = ".vtkhdf"
 
 
@@ -63,29 +64,33 @@ def view(request: Request) -> None:
     if not to_files:
         check_display()
     subjects = load_subjects(request)
-    if to_files and not has_display():
-        os.environ.setdefault("VTK_DEFAULT_OPENGL_WINDOW", OFF_SCREEN_WINDOW)
-    look = replace(request.look, marks=subjects[0].values is None)
-    if not request.look_chosen:
-        chosen = subjects[0].drawn.exposure
-        quantity: Quantity = "luminance" if chosen.quantity == "luminance" else "illuminance"
-        look = replace(look, quantity=quantity, logarithmic=chosen.logarithmic)
-    viewer = Viewer(
-        subjects,
-        [path.name for path in request.paths],
-        size=request.size,
-        off_screen=to_files,
-        look=look,
-        view=_known_view(request, subjects[0].drawn),
-    )
+    camera = _known_view(request, subjects[0].drawn)
+    look = _first_look(request, subjects[0])
+    if request.page is not None:
+        pose = first_pose(subjects[0], camera, request.size)
+        write_bytes(request.page, page_bytes(subjects[0], look, pose, request.paths[0].name))
+    if request.screenshot is not None:
+        use_off_screen()
+    elif to_files:
+        return
+    names = [path.name for path in request.paths]
+    viewer = Viewer(subjects, names, size=request.size, off_screen=to_files, look=look, view=camera)
     if request.pick is not None:
         viewer.click(request.pick[0], request.size[1] - request.pick[1])
     if request.screenshot is not None:
         viewer.write_screenshot(request.screenshot)
-    if request.page is not None:
-        viewer.write_page(request.page)
-    if not to_files:
+    else:
         _run(viewer, request)
+
+
+def _first_look(request: Request, subject: Subject) -> Look:
+    """Marks on what is not solved; false colours as in the result's pictures, unless something else was asked for."""
+    look = replace(request.look, marks=subject.values is None)
+    if request.look_chosen:
+        return look
+    chosen = subject.drawn.exposure
+    quantity: Quantity = "luminance" if chosen.quantity == "luminance" else "illuminance"
+    return replace(look, quantity=quantity, logarithmic=chosen.logarithmic)
 
 
 def _run(viewer: Viewer, request: Request) -> None:

@@ -20,12 +20,13 @@ from hradiosity.show.window.difference import difference, difference_bytes, diff
 from hradiosity.show.window.facts import Facts, facts_of, joined_facts
 from hradiosity.show.window.look import Look
 from hradiosity.show.window.marks import scene_size
-from hradiosity.show.window.navigation import STEP, Pose, overview, pose_of_view
+from hradiosity.show.window.navigation import STEP, Pose
 from hradiosity.show.window.overlays import Overlays
 from hradiosity.show.window.panels import Legend
 from hradiosity.show.window.picking import Picked, pick
 from hradiosity.show.window.stage import open_window, window_pixels
 from hradiosity.show.window.stand import Stand, cut_plane
+from hradiosity.show.window.standpoints import camera_pose, outside_pose
 from hradiosity.show.window.subject import Paint, Subject
 
 SIZE: Final = (1280, 800)
@@ -289,11 +290,8 @@ class Viewer:
 
     def pose_of(self, view: View) -> Pose:
         """That shows what a camera of the scene shows."""
-        width, height = self.part_size
-        return pose_of_view(view, width / height, 0.35 * scene_size(self.subject.cells))
+        return camera_pose(self.subject, view, self.part_size)
 
     def overview(self) -> Pose:
         """All of the scene from outside."""
-        low, high = self.subject.cells.bounds
-        width, height = self.part_size
-        return overview(low, high, width / height)
+        return outside_pose(self.subject, self.part_size)
