@@ -2,6 +2,7 @@
 
 ``load_scene(path)``, ``solve(scene, Options(…))``, ``audit(solution)`` and the values they deal in;
 ``compare(scene, [make_variant(scene, …)])`` for other paints and lamps; ``rate_glare(solution)`` for observers;
+``gather_image(solution, device, view)`` for the light of every pixel;
 ``form_factor(a, b)`` and ``form_factor_matrix(polygons)`` for those who need no more; the layers below are there for
 those who build on them.
 Nothing heavy is imported before it is used.
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from hradiosity.radiosity import solve as solve
     from hradiosity.radiosity.auditing import audit as audit
     from hradiosity.readings.glare import rate_glare as rate_glare
+    from hradiosity.show.image import gather_image as gather_image
     from hradiosity.solution import Solution as Solution
     from hradiosity.transport.form_factor.interface import FormFactors as FormFactors
     from hradiosity.transport.form_factor.interface import form_factor as form_factor
@@ -39,6 +41,7 @@ _HOMES = {
     "compare": "hradiosity.radiosity",
     "form_factor": "hradiosity.transport.form_factor.interface",
     "form_factor_matrix": "hradiosity.transport.form_factor.interface",
+    "gather_image": "hradiosity.show.image",
     "load_scene": "hradiosity.io.scene_toml",
     "make_variant": "hradiosity.model.variants",
     "rate_glare": "hradiosity.readings.glare",
@@ -57,6 +60,7 @@ __all__ = [
     "compare",
     "form_factor",
     "form_factor_matrix",
+    "gather_image",
     "load_scene",
     "make_variant",
     "rate_glare",

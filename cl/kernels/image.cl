@@ -23,7 +23,7 @@
 
 /* Sums over the samples of pixels, spread evenly over each. At the point that a sample shows, one lamp is tried, and
    HR_PATHS paths gather reflected light until they look the solution up, as paths of readings do; they start along the
-   guide of the row element that they leave. With HR_SPECTRA sums of the exitance spectra too. */
+   guide of the row element that they leave, if it has one. With HR_SPECTRA sums of the exitance spectra too. */
 __kernel void image_samples(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const uint *cell_divisions,  /* see HR_ELEMENT_PARAMS                      */
                             __global const uint *side_first_cell, /* the same                                   */
@@ -38,7 +38,8 @@ __kernel void image_samples(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const uchar *lamp_clear,     /* (n_rows, n_emitters) 1: counts by its closed form */
                             __global const uint *clear_lamps,     /* (n_rows, HR_CLEAR_LAMPS) the same as a list, HR_NONE
                                                                      behind the last                            */
-                            __global const float *guide,          /* (n_rows, HR_GUIDE_ENTRIES)                 */
+                            __global const uint *row_guide,       /* (n_rows,) number of its guide, or HR_NONE  */
+                            __global const float *guide,          /* (n_guides, HR_GUIDE_ENTRIES)               */
                             __global const float *reflectance,    /* (n_paints, 8 n_groups) [1]                 */
                             __global const float *glow,           /* (n_paints, 8 n_groups) exitance of weak lamps [W m^-2] */
                             __global const float *shown,          /* (n_luminaires, 8 n_groups) exitance [W m^-2] */
@@ -85,6 +86,7 @@ __kernel void image_samples(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
             hr_add_spectrum(light, 1.0f, weight, sky, 0);
         if (HR_IS_ROW(row) || row == HR_UNLIT) {
             const uint first_row = row, first_own = hit.patch;
+            const uint guided = HR_IS_ROW(row) ? row_guide[row] : HR_NONE;
             const float3 x0 = hr_patch_point(hit.patch, hit.u, hit.v, HR_PATCH);
             const float3 n0 = hr_side_normal(hit.patch, hit.side, patch_normal);
             hr_tried_lamp straight =
@@ -93,8 +95,8 @@ __kernel void image_samples(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                                  lamp_choice, lamp_clear, n_emitters, occlusion, scale, HR_EMITTER, HR_PATCH, HR_BVH);
             for (uint path = k * HR_PATHS; path < (k + 1) * HR_PATHS && (gathers || straight.near); ++path) {
                 float3 start = (float3)(hr_sample(path, 2, seed), hr_sample(path, 3, seed), 1.0f);
-                if (HR_IS_ROW(first_row))
-                    start = hr_guide(guide + (size_t)first_row * HR_GUIDE_ENTRIES, start.x, start.y);
+                if (guided != HR_NONE)
+                    start = hr_guide(guide + (size_t)guided * HR_GUIDE_ENTRIES, start.x, start.y);
                 const float counts = start.z / (float)HR_PATHS;
                 d = hr_cosine_direction(n0, start.x, start.y);
                 hit = hr_closest_hit(HR_BVH, hr_offset_origin(x0, n0, scale), d, INFINITY, first_own);

@@ -2,18 +2,19 @@
 #include "include/hr_guide.h"
 #include "include/hr_path_steps.h"
 
-/* What one ray from each row meets in each part of its hemisphere, from places spread over the row:
+/* What one ray from each of some rows meets in each part of its hemisphere, from places spread over the row:
    HR_GUIDE_SIDE x HR_GUIDE_SIDE parts of the square that stands for it, by rows. */
 __kernel void trace_row_guides(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS,
                                __global const uint *patch_solid, /* (n_patches,) not 0: matter behind it  */
-                               __global uint *met_row,           /* (n_rows, HR_GUIDE_SIDE^2) row, or outcome */
-                               const uint first_row, const uint seed, const float scale, const uint n_items)
+                               __global const uint *rows,        /* (n_guides,)                           */
+                               __global uint *met_row,           /* (n_guides, HR_GUIDE_SIDE^2) row, or outcome */
+                               const uint seed, const float scale, const uint n_items)
 {
     const uint i = get_global_id(0);
     if (i >= n_items)
         return;
     const uint part = i % (HR_GUIDE_SIDE * HR_GUIDE_SIDE);
-    const uint row = first_row + i / (HR_GUIDE_SIDE * HR_GUIDE_SIDE);
+    const uint row = rows[i / (HR_GUIDE_SIDE * HR_GUIDE_SIDE)];
     const uint row_seed = hr_combine(seed, row);
     const uint plain = hr_combine(row_seed, part);
     const hr_place place = hr_place_on_row(row, hr_plain(plain, 0), hr_plain(plain, 1), HR_ELEMENT, HR_PATCH);

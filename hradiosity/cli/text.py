@@ -35,7 +35,7 @@ def note_lines(notes: Sequence[Note], *, all_of_them: bool = False) -> list[str]
 
 def image_lines(record: Mapping[str, Any], cpu_seconds: float) -> list[str]:
     """What images cost and how noisy they are."""
-    rows = [("view", "pixels", "samples", "noise (median)", "(95 %)", "ΔE2000 to the display (95 %)")]
+    rows = [("view", "pixels", "samples", "noise (median)", "(95 %)", "ΔE2000 to the display (mean, 95 %)")]
     for entry in record["pictures"]:
         rows.append(
             (
@@ -44,7 +44,7 @@ def image_lines(record: Mapping[str, Any], cpu_seconds: float) -> list[str]:
                 str(entry["samples"]),
                 percent(entry["noise_median"]),
                 percent(entry["noise_95"]),
-                f"{entry['delta_e_2000_to_display_95']:.2g}",
+                f"{entry['delta_e_2000_to_display_mean']:.2f}, {entry['delta_e_2000_to_display_95']:.2f}",
             )
         )
     return [*aligned(rows), f"  {cpu_seconds:.1f} CPU s; noise is the standard error of a pixel's luminance"]

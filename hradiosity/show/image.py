@@ -101,7 +101,8 @@ def gather_image(
     ValueError
         When there is less than one sample.
     """
-    light = image_light(solution, device_scene(solution, device) if on_device is None else on_device)
+    scene = device_scene(solution, device) if on_device is None else on_device
+    light = image_light(solution, scene, [view])
     growing = GrowingImage(light, view, solution.scene.bands, samples=samples, seed=seed, spectra=spectra)
     for _ in range(PASSES):
         growing.add_pass()

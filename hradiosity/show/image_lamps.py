@@ -10,9 +10,12 @@ from numpy.typing import NDArray
 from hradiosity.device.device import DeviceArray
 from hradiosity.space.hierarchy import NONE
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
+from hradiosity.transport.direct import direct_on_rows
+from hradiosity.transport.exchange import RowHits
+from hradiosity.transport.lamp_choice import lamp_probability
 
-LAMP_POINTS, LEAST_LAMP_POINTS, ALL_LAMP_POINTS = 32, 4, 512
-"""Points on each element that try every lamp; fewer where there are many lamps, for about so many rays in all."""
+LAMP_POINTS, FEW_LAMP_POINTS = 32, 8
+"""Points on each element that try the lamps: all of them, or those that may matter among many."""
 BOUND_POINTS: Final = 4
 """Points on each element at which closed forms tell what comes if nothing is in the way."""
 CLEAR_LAMPS: Final = 8
@@ -23,43 +26,53 @@ EVEN_SHARE: Final = 0.1
 """Of the probability with which lamps are tried, shared evenly."""
 
 
-def lamp_points(n_emitters: int) -> int:
-    """Points on each element that try every lamp."""
-    return min(LAMP_POINTS, max(LEAST_LAMP_POINTS, ALL_LAMP_POINTS // max(n_emitters, 1)))
-
-
 def lamp_tables(
-    scene: DeviceScene, elements: DeviceElements, direct: NDArray[np.float32], brightness: NDArray[np.float64]
+    scene: DeviceScene, elements: DeviceElements, hits: RowHits, brightness: NDArray[np.float64], seed: int
 ) -> dict[str, DeviceArray]:
     """Device arrays by the names of the arguments of ``image_samples``.
 
     Parameters
     ----------
-    direct : (n_rows, n_emitters) float32
-        Irradiance of each element for unit emission.
+    hits : RowHits
+        Of the same seed.
     brightness : (n_emitters,) float64
         Of unit irradiance by each emitter.
     """
-    device, (n_rows, n_emitters) = scene.device, direct.shape
-    clear = device.empty((n_rows, n_emitters), np.float32)
-    if direct.size:
-        device.kernel("direct", "bound_rows")(
-            n_rows * n_emitters,
-            **scene.geometry,
-            **elements.cells,
-            **scene.emitters,
-            clear=clear,
-            n_points=BOUND_POINTS,
-            n_emitters=n_emitters,
-        )
-    free = device.fetch(clear).reshape(n_rows, n_emitters) if direct.size else direct
-    seen = seen_shares(direct, free) if scene.occlusion else np.ones_like(free, np.float64)
+    device, n_rows, n_emitters = scene.device, len(elements.elements), scene.n_emitters
+    free = np.zeros((n_rows, n_emitters), np.float32)
+    seen = np.ones(free.shape)
+    if free.size:
+        free = _without_obstacles(scene, elements)
+    if free.size and scene.occlusion:
+        chance = lamp_probability(scene, elements, brightness[:, None].astype(np.float32), None)
+        points = LAMP_POINTS if chance is None else FEW_LAMP_POINTS
+        tried = None if chance is None else device.upload(chance)
+        direct = direct_on_rows(scene, elements, hits, points, seed, tried)
+        # What was not tried counts as hidden, what was by the light that was found.
+        seen = seen_shares(direct if chance is None else direct * chance, free)
     is_clear, listed = clear_lamps(seen, free * brightness)
     return {
         "lamp_choice": device.upload(summed_chances(seen, free * brightness)),
         "lamp_clear": device.upload(is_clear.astype(np.uint8)),
         "clear_lamps": device.upload(listed),
     }
+
+
+def _without_obstacles(scene: DeviceScene, elements: DeviceElements) -> NDArray[np.float32]:
+    """(n_rows, n_emitters) irradiance for unit emission if nothing is in the way."""
+    n_rows, n_emitters = len(elements.elements), scene.n_emitters
+    clear = scene.device.empty((n_rows, n_emitters), np.float32)
+    scene.device.kernel("direct", "bound_rows")(
+        n_rows * n_emitters,
+        **scene.geometry,
+        **elements.cells,
+        **scene.emitters,
+        clear=clear,
+        n_points=BOUND_POINTS,
+        n_emitters=n_emitters,
+    )
+    found: NDArray[np.float32] = scene.device.fetch(clear)
+    return found
 
 
 def seen_shares(direct: NDArray[np.floating], free: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -11,15 +12,14 @@ from numpy.typing import NDArray
 from hradiosity.device.device import DeviceArray
 from hradiosity.metrics.colorimetric import xyz_weights
 from hradiosity.metrics.photometric import luminous_weights
-from hradiosity.model.scene import Scene
+from hradiosity.model.scene import Scene, View
 from hradiosity.radiosity.surfaces import MOST_CONTRAST
-from hradiosity.show.image_guide import row_guides
-from hradiosity.show.image_lamps import lamp_points, lamp_tables
+from hradiosity.show.image_guide import row_guides, rows_seen
+from hradiosity.show.image_lamps import lamp_tables
 from hradiosity.solution import Solution
 from hradiosity.space.hierarchy import NONE
 from hradiosity.transport.contrast import side_contrast
 from hradiosity.transport.device_scene import DeviceScene, upload_elements
-from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import RowHits, trace_rows
 from hradiosity.transport.glow import glow_of, sampled_scene
 
@@ -46,12 +46,13 @@ class ImageLight:
         return -(-self.n_bands // 8)
 
 
-def image_light(solution: Solution, on_device: DeviceScene) -> ImageLight:
-    """Tables for images of a solution.
+def image_light(solution: Solution, on_device: DeviceScene, views: Sequence[View]) -> ImageLight:
+    """Tables for images of a solution from some views; from others there would be more noise.
 
     Parameters
     ----------
     solution : Solution
+    views : sequence of View
     on_device : DeviceScene
         With the solution's sampled emitters.
     """
@@ -64,10 +65,10 @@ def image_light(solution: Solution, on_device: DeviceScene) -> ImageLight:
     row_paint = glow.paint.ravel()[first_side]
     reflected = own[row_paint] * solution.surfaces.irradiance * plan.interreflection + shining[row_paint]
     hits = trace_rows(on_device, elements, ROW_RAYS, _seed(solution))
-    per_emitter = direct_on_rows(on_device, elements, hits, lamp_points(on_device.n_emitters), _seed(solution))
     emission = _emission(sampled_scene(scene, plan.weak_emitters))
     sky = np.zeros(len(scene.bands)) if scene.sky is None else np.pi * scene.sky.radiance
     weight = luminous_weights(scene.bands) + 1.0
+    seen = rows_seen(solution, on_device.bvh, views)
     cells = {name: elements.cells[name] for name in ("cell_divisions", "side_first_cell", "cell_row")}
     arguments: dict[str, DeviceArray | int | float] = {
         **cells,
@@ -75,8 +76,8 @@ def image_light(solution: Solution, on_device: DeviceScene) -> ImageLight:
         "side_paint": elements.side_paint,
         "side_lamp": device.upload(_side_lamps(scene)),
         "row_size": device.upload(_lookup_size(solution, hits, first_side, reflected)),
-        **lamp_tables(on_device, elements, per_emitter, emission @ weight),
-        "guide": row_guides(on_device, elements, reflected @ weight, float(sky @ weight), _seed(solution)),
+        **lamp_tables(on_device, elements, hits, emission @ weight, _seed(solution)),
+        **row_guides(on_device, elements, seen, reflected @ weight, float(sky @ weight), _seed(solution)),
         "reflectance": device.upload(padded(own)),
         "glow": device.upload(padded(shining)),
         "shown": device.upload(padded(_shown(scene))),

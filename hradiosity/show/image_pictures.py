@@ -121,12 +121,12 @@ def _images(
     images: list[Image] = []
     growing: GrowingImage | None = None
     try:
-        light = image_light(solution, on_device)
-        for view in views:
-            sized = view if options.size is None else replace(view, width=options.size[0], height=options.size[1])
+        sized_views = [_sized(view, options.size) for view in views]
+        light = image_light(solution, on_device, sized_views)
+        for view in sized_views:
             growing = GrowingImage(
                 light,
-                sized,
+                view,
                 solution.scene.bands,
                 samples=options.samples,
                 seed=int(solution.record["options"]["seed"]),
@@ -143,6 +143,10 @@ def _images(
             images.append(growing.image())
         return images, True
     return images, False
+
+
+def _sized(view: View, size: tuple[int, int] | None) -> View:
+    return view if size is None else replace(view, width=size[0], height=size[1])
 
 
 def _dull(image: Image) -> NDArray[np.float64]:
