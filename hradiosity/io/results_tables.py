@@ -23,6 +23,8 @@ LIGHT_COLUMNS = (
 """Lux, CIE 1931 chromaticity; half widths are those of 95 % intervals. Colour and eye numbers follow."""
 LUMINANCE_COLUMNS = ("luminance_cd_m2", "luminance_half_width_cd_m2", *LIGHT_COLUMNS[2:])
 """Of ``luminances.csv``, in place of `LIGHT_COLUMNS`; x, y, z are the eye, nx, ny, nz the direction of looking."""
+LEVELS = (0.5, 0.8)
+"""Of further intervals of the illuminance, in ``readings.csv``."""
 MAINTAINED_COLUMNS = ("maintained_illuminance_lx", "maintained_illuminance_half_width_lx")
 REASON_COLUMN = "cct_reason"
 """Why there is no colour temperature, a number: see `hradiosity.metrics.temperature.REASONS`; 0 where there is one."""
@@ -63,13 +65,17 @@ def readings_table(
     columns = (
         *PLACE_COLUMNS,
         *LIGHT_COLUMNS,
+        *(f"illuminance_half_width_{100.0 * level:.0f}_percent_lx" for level in LEVELS),
         *(f"illuminance_half_width_{part}_lx" for part in named),
         *_with_half_widths(derived),
         *(MAINTAINED_COLUMNS if maintained else ()),
         REASON_COLUMN,
     )
     kept = maintained or {}
-    rows = ((name, _reading_rows(found, bands, derived, named, kept.get(name))) for name, found in readings.items())
+    rows = (
+        (name, _reading_rows(found, bands, derived, levels=LEVELS, parts=named, maintained=kept.get(name)))
+        for name, found in readings.items()
+    )
     return csv_table(columns, rows)
 
 
@@ -101,6 +107,8 @@ def _reading_rows(
     found: Readings,
     bands: Bands,
     derived: Sequence[str],
+    *,
+    levels: Sequence[float] = (),
     parts: Sequence[str] = (),
     maintained: Readings | None = None,
 ) -> NDArray[np.float64]:
@@ -112,6 +120,7 @@ def _reading_rows(
             *(found.position, found.normal),
             *(found.illuminance, found.illuminance_half_width),
             *(found.chromaticity, found.chromaticity_half_width),
+            *(numbers["illuminance"].half_width_at(level) for level in levels),
             *(numbers["illuminance"].parts[part] for part in parts),
             *(column for name in derived for column in (numbers[name].value, numbers[name].half_width)),
             *later,

@@ -68,6 +68,8 @@ def test_tables(rendered):
     assert np.all(table[:, 6] > 10.0)
     assert np.all(table[:, 7] > 0.0)
     assert np.all(table[:, 7] < table[:, 6])
+    narrower = [readings[0].index(f"illuminance_half_width_{percent}_percent_lx") - 2 for percent in (50, 80)]
+    assert np.all(table[:, narrower[0]] < table[:, narrower[1]]) and np.all(table[:, narrower[1]] < table[:, 7])
     density = np.array([row[2:] for row in spectra[1:]], float)
     weights = luminous(out)
     assert np.allclose(np.einsum("xb,b->x", density * 40.0, weights), table[:, 6], rtol=1e-6)
