@@ -111,6 +111,6 @@ class ClassicSolver(RadiositySolver):
         self.record.rays += factor.size * self.plan.light_samples
         if self._lamps_in_view:
             factor[:, self.scene.emitters.patch >= 0] = 0.0
-        emission = surfaces.emission[:, : self.plan.columns.n_columns].astype(np.float64)
+        emission = surfaces.light.emission[:, : self.plan.columns.n_columns].astype(np.float64)
         direct: NDArray[np.float64] = np.einsum("xe,ec->xc", factor, emission)
         return direct

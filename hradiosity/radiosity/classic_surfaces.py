@@ -17,8 +17,9 @@ from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.geometry import NONE
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning_classic import ClassicSizes, classic_plan
+from hradiosity.radiosity.iteration import SINGLE_PRECISION
 from hradiosity.radiosity.shooting import KEPT_BYTES, ShootingPoints, ShootingRows, over_area, shooting_points
-from hradiosity.radiosity.surfaces import SINGLE_PRECISION, SurfaceSolver
+from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.solvers.result import Convergence, Progress
 from hradiosity.solvers.southwell import ShootingState, ShootingSystem, shoot, shooting_weights
 from hradiosity.space.hierarchy import COVERED, Elements
@@ -95,7 +96,7 @@ class ClassicSurfaces(SurfaceSolver):
         if self.scene.sky is not None:
             with self.record.timed("sky"):
                 rows(np.arange(n_patches))
-                direct += rows.sky[self._row_patch][:, None] * self._sky[: self.plan.columns.n_columns]
+                direct += rows.sky[self._row_patch][:, None] * self.light.sky[: self.plan.columns.n_columns]
         with self.record.timed("shooting"):
             shot = self._shoot(rows, area, direct)
             irradiance = direct + over_area(rows.arriving(shot), area)
@@ -103,7 +104,7 @@ class ClassicSurfaces(SurfaceSolver):
         n = self.plan.columns.n_columns
         return ClassicLight(
             hemicube=self.hemicube,
-            reflected=self._reflectance[self.elements.row_material, :n] * irradiance,
+            reflected=self.light.reflectance[self.elements.row_material, :n] * irradiance,
             emitted=self._emitted(),
             seed=seed,
         )
@@ -124,7 +125,7 @@ class ClassicSurfaces(SurfaceSolver):
     def sized_plan(self, calibration: Calibration | ClassicCalibration | None) -> Plan:
         """The plan for the patches that were cut, with seconds if the device was measured in this mode."""
         patches = self._structure.levels[0]
-        reflectance = self._reflectance[patches.row_material, : self.plan.columns.n_columns].astype(np.float64)
+        reflectance = self.light.reflectance[patches.row_material, : self.plan.columns.n_columns].astype(np.float64)
         total = float(patches.area.sum())
         mean = np.einsum("p,pc->c", patches.area, reflectance) / total if total > 0.0 else np.zeros(1)
         sizes = ClassicSizes(
@@ -194,7 +195,7 @@ class ClassicSurfaces(SurfaceSolver):
         lamps = self.scene.emitters
         table = np.zeros((2 * len(self.scene.patches), self.plan.columns.n_columns))
         flat = np.flatnonzero(lamps.patch != NONE)
-        exitance = self.emission[flat, : self.plan.columns.n_columns].astype(np.float64)
+        exitance = self.light.emission[flat, : self.plan.columns.n_columns].astype(np.float64)
         np.add.at(table, 2 * lamps.patch[flat], exitance)
         both = np.array([lamp.two_sided for lamp in self.scene.luminaires], bool)[lamps.luminaire[flat]]
         np.add.at(table, 2 * lamps.patch[flat[both]] + 1, exitance[both])
@@ -246,7 +247,7 @@ class ClassicSurfaces(SurfaceSolver):
 
     def _from_points(self, factor: NDArray[np.float32]) -> NDArray[np.float64]:
         """(n, n_columns) irradiance from (n, n_point_sources) factors."""
-        emission = self.emission[self.scene.emitters.patch == NONE, : self.plan.columns.n_columns]
+        emission = self.light.emission[self.scene.emitters.patch == NONE, : self.plan.columns.n_columns]
         light: NDArray[np.float64] = np.einsum("re,ec->rc", factor.astype(np.float64), emission.astype(np.float64))
         return light
 
@@ -259,7 +260,7 @@ class ClassicSurfaces(SurfaceSolver):
         np.add.at(pooled, self._row_patch, area[:, None] * direct)
         system = ShootingSystem(
             area=patch_area,
-            reflectance=self._reflectance[patches.row_material, : direct.shape[1]].astype(np.float64),
+            reflectance=self.light.reflectance[patches.row_material, : direct.shape[1]].astype(np.float64),
             direct=over_area(pooled, patch_area),
             rows=rows,
         )
@@ -299,7 +300,7 @@ class ClassicSurfaces(SurfaceSolver):
     ) -> None:
         """Running means, and what the hemicubes lost."""
         padded = self.plan.columns.padded
-        self._means.add(padded(irradiance), padded(direct), exposed)
+        self.iteration.means.add(padded(irradiance), padded(direct), exposed)
         lost = rows.lost[~np.isnan(rows.lost)]
         self.record.defects.append(
             Defects(

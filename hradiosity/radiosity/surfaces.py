@@ -15,21 +15,20 @@ from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Note, Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
-from hradiosity.planning import sight_shares, sized, with_sight
+from hradiosity.planning import sized
 from hradiosity.planning_memory import check_fits
 from hradiosity.radiosity.companion import Companion, half_of
+from hradiosity.radiosity.iteration import Iteration
+from hradiosity.radiosity.proved_sight import plan_with_sight, proved_sight
 from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.refinement import GreyLight, Refinement
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
-from hradiosity.radiosity.row_means import RowMeans
+from hradiosity.radiosity.scene_light import SceneLight
 from hradiosity.radiosity.watching import Glimpse, LightWatch
-from hradiosity.readings.interval import part_of
 from hradiosity.readings.surface_light import SurfaceLight, emitter_choice
 from hradiosity.solution import Surfaces
 from hradiosity.solvers.choice import SolverChoice
-from hradiosity.solvers.deflation import DEFLATE_ABOVE, deflation_vectors
 from hradiosity.solvers.dense import DIRECT_SOLVERS, check_dense_size
-from hradiosity.solvers.error_growth import ErrorGrowth, error_growth
 from hradiosity.solvers.operator import ExchangeOperator
 from hradiosity.solvers.result import Progress
 from hradiosity.solvers.southwell import shooting_weights
@@ -38,20 +37,16 @@ from hradiosity.space.bvh import Bvh
 from hradiosity.space.companion import coarser_rows
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
-from hradiosity.space.shafts import UNKNOWN, EmitterShapes, point_sight, row_sight
+from hradiosity.space.shafts import UNKNOWN
 from hradiosity.transport.contrast import side_contrast
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import ClosedRows, Exchange, RowHits, build_exchange, trace_rows
-from hradiosity.transport.glow import glow_of, sampled_scene
+from hradiosity.transport.glow import sampled_scene
 from hradiosity.transport.lamp_choice import lamp_probability
 
 RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
-EQUAL_ENERGY_WEIGHT = 1.0
-"""Brightness of a watt of any wavelength beside its lumens, so that no band counts for nothing [lm W⁻¹]."""
-SINGLE_PRECISION = 1e-5
-"""Largest relative error of a reading by rounding; tests compare single with double precision."""
 MOST_CONTRAST = 8.0
 """Contrast of the received light from which on the solution is looked up there at a path's first hit already: where
 light comes through a gap, the noise of one more ray is worse than one value for a whole element."""
@@ -94,24 +89,8 @@ class SurfaceSolver:
         self.on_device: DeviceScene = upload_scene(
             device, self.sampled, bvh, occlusion=plan.occlusion, shafts=self.uses_shafts and options.occlusion is None
         )
+        self.light = SceneLight.of(device, scene, self.sampled, plan)
         columns = plan.columns
-        self.emission = columns.padded(columns.emission[self.sampled.emitters.luminaire])
-        self._reflectance = columns.padded(columns.reflectance * plan.interreflection)
-        self._glow = glow_of(scene, columns, plan.weak_emitters)
-        self._reflectance_on_device = device.upload(self._reflectance[self._glow.material])
-        self._exitance = columns.padded(self._glow.exitance)
-        self._glow_on_device = device.upload(self._exitance) if self._glow.shines else None
-        # Paths without an emitter to draw read row 0 and multiply it by 0: what lies beyond a buffer may be NaN.
-        dark = np.zeros((1, self.emission.shape[1]), np.float32)
-        self._emission_on_device = device.upload(self.emission if len(self.emission) else dark)
-        luminous = np.einsum("cb,b->c", columns.summed, luminous_weights(scene.bands))
-        equal = columns.summed.sum(axis=1)
-        brightness = luminous + EQUAL_ENERGY_WEIGHT * equal
-        # Only ratios matter, and squares of very strong or weak light would leave single precision.
-        brightness /= brightness.max(initial=np.finfo(float).tiny)
-        self._weight_on_device = device.upload(columns.padded(brightness))
-        self._sky = columns.padded(columns.sky)
-        self._sky_on_device = device.upload(self._sky)
         weight = columns.padded(shooting_weights(columns.summed, luminous_weights(scene.bands)))
         self._choice = SolverChoice(options.solver, weight, options.blocks)
         self._refinement = Refinement.of(scene, plan, options)
@@ -121,35 +100,25 @@ class SurfaceSolver:
         """Cut the lit sides into row elements; forget what was known about others."""
         self._lit = lit
         self.elements: Elements = self._refinement.refined(self.scene.patches, self._divide(lit))
-        self.on_device_elements = upload_elements(self.device, self.elements, self._glow.paint)
-        self.sight = self._prove(lit)
-        n_rows = len(self.elements)
+        self.on_device_elements = upload_elements(self.device, self.elements, self.light.glow.paint)
+        self.sight = proved_sight(self.on_device, self.plan, self.sampled, self._bvh, self.elements, lit)
+        if self.sight is not None:
+            self.on_device_elements = self.on_device_elements.with_sight(self.device, self.sight)
         first = self.elements.row_cell[self.elements.row_start[:-1]]
         self.space: NDArray[np.int32] = lit.space.ravel()[self.elements.cell_side[first]]
-        self._row_glow = self._exitance[self._glow.paint.ravel()[self.elements.cell_side[first]]]
+        self._row_glow = self.light.exitance[self.light.glow.paint.ravel()[self.elements.cell_side[first]]]
         self._links = np.zeros((0, 2), np.int64)
-        self._means = RowMeans(n_rows, 8 * self.plan.columns.n_groups)
-        self._deflation: NDArray[np.float64] | None = None
-        self._growth: ErrorGrowth | None = None
-        self._solver = RowLight(self.plan, self.options, self._choice, self._choose_basis())
+        solver = RowLight(self.plan, self.options, self._choice, self._choose_basis())
+        self.iteration = Iteration(solver, self.space, self.elements.area)
         self._parent = self._coarser()
-        chance = lamp_probability(self.on_device, self.on_device_elements, self.emission, self.sight)
+        chance = lamp_probability(self.on_device, self.on_device_elements, self.light.emission, self.sight)
         self._tried = None if chance is None else float(chance.sum())
         self._chance = None if chance is None else self.device.upload(chance)
-
-    def _prove(self, lit: LitSides) -> NDArray[np.uint8] | None:
-        """What shafts prove about rows and emitters; None where it was decided without them, or there are none."""
-        decided = not self.on_device.shafts or not self.plan.occlusion
-        if decided or not len(self.elements) or not self.plan.n_emitters:
-            return None
-        sight = row_sight(self._bvh, self.scene.patches, self.elements, EmitterShapes.of(self.sampled), lit)
-        self.on_device_elements = self.on_device_elements.with_sight(self.device, sight)
-        return sight
 
     def _divide(self, lit: LitSides) -> Elements:
         """The row elements of the lit sides."""
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
-        size, paint = self.plan.element_size, self._glow.paint
+        size, paint = self.plan.element_size, self.light.glow.paint
         return build_elements(self.scene.patches, lit.space, two_sided, size, paint=paint, slots=lit.slots)
 
     def _coarser(self) -> NDArray[np.int64]:
@@ -157,7 +126,7 @@ class SurfaceSolver:
         if not len(self.elements):
             return np.zeros(0, np.int64)
         size = self.plan.element_size
-        return coarser_rows(self.scene.patches, self.elements, self.space, self._glow.paint, size)
+        return coarser_rows(self.scene.patches, self.elements, self.space, self.light.glow.paint, size)
 
     def replicate(self, seed: int) -> SurfaceLight:
         """One independent estimate, as paths look it up."""
@@ -174,12 +143,12 @@ class SurfaceSolver:
             exchange = self._exchange(hits, seed)
             self.record.defects.append(exchange.defects)
         direct = self._direct_columns(per_emitter, exchange)
-        reflectance = self._reflectance[self.elements.row_material]
-        companion = COMPANION_ROTA[self._means.count % len(COMPANION_ROTA)]
+        reflectance = self.light.reflectance[self.elements.row_material]
+        companion = COMPANION_ROTA[self.iteration.means.count % len(COMPANION_ROTA)]
         with self.record.timed("solution"):
             irradiance = self._solve(exchange, reflectance, direct)
         with self.record.timed("refinement"):
-            again = self._means.count == 1 and self._refine(hits, exchange, reflectance, irradiance, seed)
+            again = self.iteration.means.count == 1 and self._refine(hits, exchange, reflectance, irradiance, seed)
         if again:
             return self.replicate(seed)
         with self.record.timed("companion"):
@@ -190,16 +159,16 @@ class SurfaceSolver:
                 coarse = self._with_half_the_rays(hits, seed, reflectance, direct, irradiance)
         return SurfaceLight(
             columns=self.plan.columns,
-            reflectance=self._reflectance_on_device,
-            glow=self._glow_on_device,
-            emission=self.emission,
-            emission_on_device=self._emission_on_device,
+            reflectance=self.light.reflectance_on_device,
+            glow=self.light.exitance_on_device,
+            emission=self.light.emission,
+            emission_on_device=self.light.emission_on_device,
             reflected=self.device.upload(reflectance * irradiance + self._row_glow),
             row_size=self.device.upload(self._lookup_size(hits, exchange.element_area, reflectance, irradiance)),
-            sky=self._sky_on_device,
-            emitter_choice=self.device.upload(emitter_choice(per_emitter, self.emission)),
+            sky=self.light.sky_on_device,
+            emitter_choice=self.device.upload(emitter_choice(per_emitter, self.light.emission)),
             row_direct=self.device.upload(per_emitter),
-            weight=self._weight_on_device,
+            weight=self.light.weight_on_device,
             row_space=self.space,
             change=None if coarse is None else self.device.upload(reflectance * (coarse - irradiance)),
             changed_by=companion,
@@ -213,7 +182,7 @@ class SurfaceSolver:
         irradiance: NDArray[np.float32],
     ) -> NDArray[np.float32]:
         """`SurfaceLight.row_size`: below 0 where light comes from few directions, which one more ray mostly misses."""
-        brightness = self.device.fetch(self._weight_on_device).astype(np.float64)
+        brightness = self.light.brightness
         leaving = np.einsum("rc,c->r", reflectance * irradiance + self._row_glow, brightness)
         arriving = np.einsum("rc,c->r", irradiance, brightness)
         side = self.elements.cell_side[self.elements.row_cell[self.elements.row_start[:-1]]]
@@ -232,9 +201,9 @@ class SurfaceSolver:
         """Whether elements were split because of this replicate's light, which is then of no more use."""
         if not isinstance(exchange, Exchange):
             return False
-        brightness = self.device.fetch(self._weight_on_device).astype(np.float64)
+        brightness = self.light.brightness
         rows = irradiance, reflectance * irradiance, self._row_glow
-        light = GreyLight.of(brightness, *rows, self.emission, sky=self._sky)
+        light = GreyLight.of(brightness, *rows, self.light.emission, sky=self.light.sky)
         patches = self.scene.patches
         again = self._refinement.next_round(
             self.on_device, self.on_device_elements, patches, hits, exchange, light, seed
@@ -267,51 +236,37 @@ class SurfaceSolver:
         plan = sized(self.plan, len(self.elements), known)
         if self.sight is None:
             return plan
-        shares = sight_shares(self.sampled, self.elements, self.space, self.sight)
-        readings = not (self.sight == UNKNOWN).any() and self._readings_proved()
-        return with_sight(plan, self.sight, shares, readings_proved=readings, calibration=known)
-
-    def _readings_proved(self) -> bool:
-        """Whether shafts prove that nothing stands between any reading and any emitter."""
-        shapes = EmitterShapes.of(self.sampled)
-        return all(
-            bool((point_sight(self._bvh, shapes, s.position, s.normal) != UNKNOWN).all()) for s in self.scene.sensors
-        )
+        return plan_with_sight(plan, self.sampled, self._bvh, self.elements, self.space, self.sight, known)
 
     def surfaces(self) -> Surfaces:
         """Mean over the replicates so far, each row's over those parts of it that its rays found exposed."""
         to_bands = self.plan.columns.to_bands
-        direct = self._means.direct
+        direct = self.iteration.means.direct
         return Surfaces(
-            irradiance=to_bands(self._means.indirect + direct),
+            irradiance=to_bands(self.iteration.means.indirect + direct),
             direct=to_bands(direct),
             space=self.space,
-            exposed=self._means.exposed,
+            exposed=self.iteration.means.exposed,
         )
 
     def _show(self, progress: Progress) -> None:
         """Let whoever watches have a look."""
         if self.watch is not None:
-            done = self._means.count
+            done = self.iteration.means.count
             self.watch(Glimpse(self.scene, self.elements, progress, done, lambda: self._surfaces_with(progress)))
 
     def _surfaces_with(self, progress: Progress) -> Surfaces:
         """As `surfaces`, with what the solver of this replicate has so far; without the direct part."""
-        done, to_bands = self._means.count, self.plan.columns.to_bands
+        done, to_bands = self.iteration.means.count, self.plan.columns.to_bands
         now = to_bands(progress.irradiance())
-        before = to_bands(self._means.indirect + self._means.direct)
-        exposed = self._means.exposed if done else np.ones(len(self.elements))
+        before = to_bands(self.iteration.means.indirect + self.iteration.means.direct)
+        exposed = self.iteration.means.exposed if done else np.ones(len(self.elements))
         mean = (done * before + now) / (done + 1)
         return Surfaces(irradiance=mean, direct=np.zeros_like(mean), space=self.space, exposed=exposed)
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs beside the constructor's arguments."""
-        kept: dict[str, NDArray[Any]] = {"links": self._links, **self._refinement.checkpoint()}
-        if self._deflation is not None:
-            kept["deflation"] = self._deflation
-        if self._growth is not None:
-            kept["growth"] = np.array(self._growth)
-        return kept | {f"means/{name}": array for name, array in self._means.checkpoint().items()}
+        return {"links": self._links, **self._refinement.checkpoint(), **self.iteration.checkpoint()}
 
     def restore(self, kept: Mapping[str, NDArray[Any]]) -> None:
         """Go on from a checkpoint, bit for bit."""
@@ -320,9 +275,7 @@ class SurfaceSolver:
         if self._refinement.restore(kept):
             self._split_rows()
         self._plan_for_elements()
-        self._deflation = kept.get("deflation")
-        self._growth = ErrorGrowth(*(float(value) for value in kept["growth"])) if "growth" in kept else None
-        self._means.restore(part_of(kept, "means"))
+        self.iteration.restore(kept)
 
     def _trace(self, seed: int) -> RowHits:
         """Exchange rays; sides that only now turn out to be lit join, and the rays start again."""
@@ -375,11 +328,11 @@ class SurfaceSolver:
 
     def _direct_columns(self, per_emitter: NDArray[np.float32], exchange: ClosedRows) -> NDArray[np.float32]:
         """(n_rows, 8 n_groups) direct irradiance from emitters and sky."""
-        direct: NDArray[np.float32] = np.einsum("re,ec->rc", per_emitter, self.emission)
+        direct: NDArray[np.float32] = np.einsum("re,ec->rc", per_emitter, self.light.emission)
         if self.scene.sky is not None:
             area = exchange.element_area
             share = np.divide(exchange.sky, area, out=np.zeros_like(area), where=area > 0.0)
-            direct += share.astype(np.float32)[:, None] * self._sky
+            direct += share.astype(np.float32)[:, None] * self.light.sky
         return direct
 
     def _solve(
@@ -388,33 +341,12 @@ class SurfaceSolver:
         """Irradiance of the row elements; keeps the running means."""
         irradiance = direct
         if self.plan.gathers and len(self.elements):
-            operator = self._operator(exchange)
-            glow = light_of_glow(operator, self._row_glow)
-            irradiance = direct + glow
-            if self.plan.interreflection:
-                mean_reflectance = (
-                    np.einsum("r,rc->c", exchange.element_area, reflectance) / exchange.element_area.sum()
-                )
-                if self._deflation is None:
-                    bright = float(mean_reflectance.max(initial=0.0)) > DEFLATE_ABOVE
-                    self._deflation = (
-                        deflation_vectors(operator, self.space) if bright else np.zeros((len(self.elements), 0))
-                    )
-                start = self._means.indirect.astype(np.float32) - glow if self._means.count else None
-                lit = irradiance
-                irradiance, account = self._solver.solve(
-                    operator, reflectance, lit, start, self._deflation, watch=self._show if self.watch else None
-                )
-                self.record.convergence.extend(account)
-                if self._growth is None:
-                    self._growth = error_growth(operator, reflectance, lit, irradiance)
-        exposed = np.divide(
-            exchange.element_area,
-            self.elements.area,
-            out=np.zeros_like(exchange.element_area),
-            where=self.elements.area > 0.0,
-        )
-        self._means.add(irradiance, direct, exposed)
+            operator, watch = self._operator(exchange), self._show if self.watch else None
+            irradiance, account = self.iteration.light(
+                operator, exchange.element_area, reflectance, direct, self._row_glow, watch
+            )
+            self.record.convergence.extend(account)
+        self.iteration.add(irradiance, direct, exchange.element_area)
         return irradiance
 
     def _coarse(
@@ -430,12 +362,12 @@ class SurfaceSolver:
         return Companion(self._parent, exchange.element_area).light(
             self.device,
             self._rows(exchange),
-            replace(self._solver, choice=replace(self._choice, name="cg")),
+            replace(self.iteration.solver, choice=replace(self._choice, name="cg")),
             reflectance,
             direct,
             self._row_glow,
             irradiance,
-            self._deflation,
+            self.iteration.deflation,
         )
 
     def _with_half_the_rays(
@@ -459,18 +391,12 @@ class SurfaceSolver:
         operator = self._operator(exchange)
         lit = direct + light_of_glow(operator, self._row_glow)
         if self.plan.interreflection:
-            lit = self._solver.solve(operator, reflectance, lit, irradiance - lit, self._deflation)[0]
+            lit = self.iteration.solver.solve(operator, reflectance, lit, irradiance - lit, self.iteration.deflation)[0]
         return np.where(exchange.element_area[:, None] > 0.0, lit, irradiance)
 
     def shared_errors(self) -> dict[str, float]:
         """By part of the intervals: share of itself that each band may be off by in all replicates alike."""
-        shares = {"precision": SINGLE_PRECISION}
-        growth = self._growth
-        if growth is not None:
-            used = [c for c in self.record.convergence if self._solver.accepts(c)]
-            shares["iteration"] = growth.residual * max(c.residual[-1] for c in used)
-            shares["spectral"] = growth.reflection * max(c.spectral_defect for c in used)
-        return shares
+        return self.iteration.shared_errors(self.record.convergence)
 
     def _choose_basis(self) -> SpectralBasis | None:
         """Columns to iterate on; None for all."""
