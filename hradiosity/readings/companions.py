@@ -17,6 +17,9 @@ COMPANIONS: Final = MappingProxyType({MESH: 1.0, EXCHANGE: 1.0})
 """By part: share of the change by its companion that stands for what finer settings would still change. Errors fall
 with the edge of elements and with the number of rays to the power 1, or faster."""
 
+LEAST_COMPANIONS: Final = 4
+"""Before these the noise of a change is not known well enough to take it out."""
+
 
 def companion_parts(changes: Mapping[str, RunningMean]) -> dict[str, NDArray[np.float64]]:
     """Half widths by part, from what the companions changed; parts without companions are left out."""
@@ -26,7 +29,7 @@ def companion_parts(changes: Mapping[str, RunningMean]) -> dict[str, NDArray[np.
 def likely_parts(
     changes: Mapping[str, RunningMoments], value: NDArray[np.float64], group: NDArray[np.int64], *, relative: bool
 ) -> dict[str, NDArray[np.float64]]:
-    """As `companion_parts`, without the noise of the changes: few companions tell of many readings.
+    """As `companion_parts`, without the noise of the changes where there are enough of them.
 
     Of a change d with the standard error s the share w = τ²/(τ² + s²) is taken to be real, τ² the mean square of the
     group's real changes or of its own, d² − s², whichever is larger; the half width √(w² d² + w s²) is what the true
@@ -46,7 +49,7 @@ def likely_parts(
     """
     found = companion_parts(changes)
     for part, moments in changes.items():
-        if moments.count < 2:
+        if moments.count < LEAST_COMPANIONS:
             continue
         scale = scale_of(value, relative=relative)
         error = pooled(moments.standard_error, value, group, moments.count - 1, relative=relative)

@@ -6,7 +6,7 @@ import pytest
 from hradiosity.estimate import EXCHANGE, MESH, Estimate, student_quantile
 from hradiosity.model.scene import Sensor
 from hradiosity.model.spectrum import Bands
-from hradiosity.readings.companions import COMPANIONS, likely_parts
+from hradiosity.readings.companions import COMPANIONS, LEAST_COMPANIONS, likely_parts
 from hradiosity.readings.interval import RunningMean, RunningMoments
 from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
 from hradiosity.readings.pooling import COMMON, alike, pooled
@@ -163,8 +163,9 @@ def test_one_reading_with_a_large_change_keeps_it():
     assert part[17] == pytest.approx(0.05, rel=0.15)
 
 
-def test_one_companion_alone_is_believed():
-    moments = changes_of(np.array([0.03, -0.02]), 0.0, 1)
+@pytest.mark.parametrize("replicates", [1, LEAST_COMPANIONS - 1])
+def test_few_companions_are_believed(replicates):
+    moments = changes_of(np.array([0.03, -0.02]), 0.0, replicates)
     part = likely_parts({EXCHANGE: moments}, np.ones(2), np.zeros(2, np.int64), relative=True)[EXCHANGE]
     np.testing.assert_allclose(part, COMPANIONS[EXCHANGE] * np.array([0.03, 0.02]), rtol=1e-12)
 
