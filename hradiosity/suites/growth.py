@@ -206,7 +206,7 @@ def main() -> None:
     """Print the tables, and write them and a plot."""
     asked = _arguments()
     device = Device()
-    options = Options.of_quality("draft", element_size=asked.element_size)
+    options = Options.of_quality("draft", element_size=asked.element_size, replicates=asked.replicates)
     steps = []
     print(HEADER)
     for path in asked.scenes:
@@ -226,6 +226,7 @@ def _arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("scenes", type=Path, nargs="+", help="scene folders, the smallest first")
     parser.add_argument("--element-size", type=float, default=0.35, help="edge of row elements [m], in all scenes")
+    parser.add_argument("--replicates", type=int, default=8, help="that share the samples of a draft")
     parser.add_argument("--sample", type=int, default=150, help="readings that are compared with unbiased paths")
     parser.add_argument("--paths", type=int, default=8192, help="of the referee, from each of them")
     parser.add_argument("--cache", type=Path, default=Path("out/growth"), help="folder that keeps the referee's light")
