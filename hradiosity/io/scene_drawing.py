@@ -15,7 +15,7 @@ from hradiosity.model.scene import Scene, Sensor
 from hradiosity.space.cell_lookup import CELL_CORNERS
 from hradiosity.space.cells import place_corners
 
-MOST_DIRECTIONS: Final = 256
+MOST_DIRECTIONS: Final = 64
 """Directions of patches for which it is found out whether anything lies behind; backs of all others are shown."""
 _LEVEL: Final = 1e-6
 """How far behind a patch something must lie to count, over the size of the scene."""

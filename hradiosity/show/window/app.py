@@ -13,12 +13,14 @@ from hradiosity.io.results_reading import read_result
 from hradiosity.show.files import write_bytes
 from hradiosity.show.window.difference import check_same_mesh
 from hradiosity.show.window.display import check_display, use_off_screen
-from hradiosity.show.window.look import Look, Quantity
+from hradiosity.show.window.look import NO_LINES, Look, Quantity
 from hradiosity.show.window.page import page_bytes
 from hradiosity.show.window.standpoints import first_pose
 from hradiosity.show.window.subject import Choices, Subject
 from hradiosity.show.window.viewer import SIZE, Viewer
 
+FEW_CELLS: Final = 10_000
+"""Patches of a scene whose outlines are shown at the start: without light they tell shapes."""
 _RESULT_SUFFIX: Final = ".vtkhdf"
 
 
@@ -84,8 +86,9 @@ def view(request: Request) -> None:
 
 
 def _first_look(request: Request, subject: Subject) -> Look:
-    """Marks on what is not solved; false colours as in the result's pictures, unless something else was asked for."""
-    look = replace(request.look, marks=subject.values is None)
+    """Marks, and outlines of not too many patches, on what is not solved; false colours as in the result's pictures."""
+    unsolved = subject.values is None
+    look = replace(request.look, marks=unsolved, lines=0 if unsolved and len(subject.cells) <= FEW_CELLS else NO_LINES)
     if request.look_chosen:
         return look
     chosen = subject.drawn.exposure

@@ -40,7 +40,7 @@ class Overlays:
         window.AddRenderer(layer)
         self._actors = {name: ImageActor(layer) for name in ("buttons", "legend", "facts", "status", "help")}
         self._shown: dict[str, Hashable] = {}
-        self._heights: dict[str, int] = {}
+        self._sizes: dict[str, tuple[int, int]] = {}
         self._bar = toolbar(frozenset(), 1000)
 
     def button_at(self, x: float, y: float) -> Button | None:
@@ -75,16 +75,17 @@ class Overlays:
             lambda status: (_GAP, height - status.shape[0] - _GAP),
             height,
         )
-        facts, rise = viewer.facts(), self._heights["status"]
+        facts, rise = viewer.facts(), self._sizes["status"][0]
+        beside = 0 if viewer.legend is None else self._sizes["legend"][1] + _GAP
         if facts is None:
             self._hide("facts")
         else:
             self._put(
                 "facts",
-                (facts.title, facts.lines, viewer.curve, viewer.facts_right, width, height, rise),
+                (facts.title, facts.lines, viewer.curve, viewer.facts_right, beside, width, height, rise),
                 lambda: facts_panel(facts, viewer.curve),
                 lambda panel: (
-                    width - panel.shape[1] - _GAP if viewer.facts_right else _GAP,
+                    width - panel.shape[1] - beside - _GAP if viewer.facts_right else _GAP,
                     height - rise - panel.shape[0] - 2 * _GAP,
                 ),
                 height,
@@ -116,7 +117,7 @@ class Overlays:
         if self._shown.get(name) != key:
             self._shown[name] = key
             pixels = make()
-            self._heights[name] = pixels.shape[0]
+            self._sizes[name] = pixels.shape[0], pixels.shape[1]
             self._actors[name].show(pixels, *place(pixels), height)
 
 
@@ -148,7 +149,11 @@ def status_words(viewer: Viewer) -> Words:
         words.append((viewer.running, INK))
     elif subject.values is None:
         words.append(("not solved yet: paints", INK))
-    words += [(text, INK) for text in (_exposure_words(viewer), _lines_words(look), _section_words(viewer)) if text]
+    words += [
+        (text, INK)
+        for text in (_exposure_words(viewer), _lines_words(look, subject.values is not None), _section_words(viewer))
+        if text
+    ]
     if look.gamut and subject.values is not None:
         area = subject.cells.area
         share = float(area[subject.out_of_gamut()].sum() / max(float(area.sum()), 1e-300))
@@ -172,10 +177,12 @@ def _exposure_words(viewer: Viewer) -> str:
     return f"{look.mode}: white is {subject.luminance(look):.4g} cd/m²{adapted}"
 
 
-def _lines_words(look: Look) -> str:
+def _lines_words(look: Look, solved: bool) -> str:
     if look.lines == NO_LINES:
         return ""
-    return "lines: elements" if look.lines == 0 else f"lines: blocks of {1 << look.lines} × {1 << look.lines} cells"
+    if look.lines > 0:
+        return f"lines: blocks of {1 << look.lines} × {1 << look.lines} cells"
+    return "lines: elements" if solved else "lines: patches"
 
 
 def _section_words(viewer: Viewer) -> str:

@@ -18,7 +18,7 @@ from hradiosity.show.scale_bar import Scale
 from hradiosity.show.window.commands import COMMANDS
 from hradiosity.show.window.difference import difference, difference_bytes, difference_colours, difference_scale
 from hradiosity.show.window.facts import Facts, facts_of, joined_facts
-from hradiosity.show.window.look import Look
+from hradiosity.show.window.look import NO_LINES, Look
 from hradiosity.show.window.marks import scene_size
 from hradiosity.show.window.navigation import STEP, Pose
 from hradiosity.show.window.overlays import Overlays
@@ -73,7 +73,7 @@ class Viewer:
         self.message = ""
         self.legend: Legend | None = None
         self.closed = False
-        self._settled = False
+        self._settled, self._lit = False, self.subject.values is not None
         self.next_view = 0
         self.pose = self._first_pose(view)
         self.refresh()
@@ -246,6 +246,8 @@ class Viewer:
         elif seen.drawn.light is not None:
             stand.subject.take_light(seen.drawn.light)
             self._take_picks(self._picked)
+        if not self._lit:
+            self.look, self._lit = replace(self.look, lines=NO_LINES), True
         self._settled = seen.settled
         self.running = seen.words
         self.refresh()
