@@ -56,6 +56,17 @@ class Cells:
         return self.corners.min(axis=(0, 1)), self.corners.max(axis=(0, 1))
 
     @cached_property
+    def first_corner(self) -> NDArray[np.float64]:
+        """(n, 3) `corners[:, 0]` in a row [m]."""
+        return np.ascontiguousarray(self.corners[:, 0])
+
+    @cached_property
+    def reach(self) -> NDArray[np.float64]:
+        """(n,) of each cell from its first corner [m]."""
+        reach: NDArray[np.float64] = np.linalg.norm(self.corners - self.corners[:, :1], axis=2).max(axis=1)
+        return reach
+
+    @cached_property
     def area(self) -> NDArray[np.float64]:
         """(n,) [m²]."""
         area: NDArray[np.float64] = 0.5 * np.linalg.norm(self._cross, axis=1)

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.io.drawn_scene import Cells
+from hradiosity.show.window.marks import Lines
 
 
 def hierarchy_levels(cells: Cells) -> int:
@@ -50,6 +51,44 @@ def edge_flags(cells: Cells, level: int) -> NDArray[np.uint8]:
     flags[cells.is_triangle, 2] = flags[cells.is_triangle, 3]
     flags[cells.is_triangle, 3] = 0
     return flags
+
+
+def edge_ends(corners: NDArray[np.float64], is_triangle: NDArray[np.bool_]) -> NDArray[np.float64]:
+    """(n, 4, 3) where the edge from each corner (n, 4, 3) ends; the third one of a triangle at its first corner."""
+    end = np.roll(corners, -1, axis=1)
+    end[is_triangle, 2] = corners[is_triangle, 0]
+    return end
+
+
+class FacingOutlines:
+    """Outlines of the cells that face the eye.
+
+    Lines, and not edges that the card draws with its faces: those are wrong on faces that reach behind the eye, as
+    floors do that are one cell.
+
+    Parameters
+    ----------
+    cells : Cells
+    flags : (n, 4) uint8
+        Edges that are outlines.
+    """
+
+    def __init__(self, cells: Cells, flags: NDArray[np.uint8]) -> None:
+        self._cell, corner = np.nonzero(flags)
+        self._start = cells.corners[self._cell, corner]
+        self._end = edge_ends(cells.corners, cells.is_triangle)[self._cell, corner]
+        self._normal = cells.normal
+        self._offset = np.einsum("nk,nk->n", cells.normal, cells.corners[:, 0])
+        self._faced: NDArray[np.bool_] | None = None
+
+    def seen_from(self, eye: NDArray[np.float64]) -> Lines | None:
+        """Lines of cells that face an eye (3,); None where they are the same as at the last call."""
+        faced = np.einsum("nk,k->n", self._normal, eye) > self._offset
+        if self._faced is not None and np.array_equal(faced, self._faced):
+            return None
+        self._faced = faced
+        seen = faced[self._cell]
+        return Lines(self._start[seen], self._end[seen])
 
 
 def _on_line(place: NDArray[np.int64], block: NDArray[np.int64], count: NDArray[np.int64]) -> NDArray[np.bool_]:

@@ -50,9 +50,10 @@ def pick_cell(
 
     Möller & Trumbore (1997) on parallelograms and triangles.
     """
-    first = cells.corners[:, 0]
-    edge_u = cells.corners[:, 1] - first
-    edge_v = cells.corners[np.arange(len(cells)), np.where(cells.is_triangle, 2, 3)] - first
+    near = _near_ray(cells, origin, direction)
+    first, triangle = cells.first_corner[near], cells.is_triangle[near]
+    edge_u = cells.corners[near, 1] - first
+    edge_v = cells.corners[near, np.where(triangle, 2, 3)] - first
     normal = np.cross(edge_u, edge_v)
     slope = np.einsum("nk,k->n", normal, direction)
     faces = slope < 0.0
@@ -62,14 +63,23 @@ def pick_cell(
         turned = np.cross(offset, direction)
         s = np.einsum("nk,nk->n", edge_v, turned) / slope
         t = -np.einsum("nk,nk->n", edge_u, turned) / slope
-    inside = (s >= 0.0) & (t >= 0.0) & np.where(cells.is_triangle, s + t <= 1.0, (s <= 1.0) & (t <= 1.0))
+    inside = (s >= 0.0) & (t >= 0.0) & np.where(triangle, s + t <= 1.0, (s <= 1.0) & (t <= 1.0))
     met = np.flatnonzero(faces & (along > 0.0) & inside)
     if plane is not None:
         met = met[~plane.hides(origin + along[met, None] * direction)]
     if not len(met):
         return -1, float("inf")
     nearest = met[np.argmin(along[met])]
-    return int(nearest), float(along[nearest])
+    return int(near[nearest]), float(along[nearest])
+
+
+def _near_ray(cells: Cells, origin: NDArray[np.float64], direction: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Cells whose spheres about their first corners meet the line of a ray, with a little more for rounding."""
+    offset = cells.first_corner - origin
+    along = np.einsum("nk,k->n", offset, direction)
+    square = np.einsum("nk,nk->n", offset, offset)
+    reach = cells.reach * (1.0 + _HIDDEN)
+    return np.flatnonzero(square - along * along <= reach * reach + 1e-12 * square)
 
 
 def pick(

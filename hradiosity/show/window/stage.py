@@ -23,12 +23,12 @@ SAMPLES: Final = 8
 """Of each pixel of a screenshot; a window that moves has one, which software draws three times as fast."""
 _BACKS: Final[Colour] = (0.42, 0.44, 0.48)
 _GROUND: Final[Colour] = (0.13, 0.14, 0.16)
-_LIGHT_LINE: Final[Colour] = (0.85, 0.85, 0.85)
-_DARK_LINE: Final[Colour] = (0.25, 0.25, 0.28)
+LIGHT_LINE: Final[Colour] = (0.85, 0.85, 0.85)
+DARK_LINE: Final[Colour] = (0.25, 0.25, 0.28)
 
 
 class SurfaceActor:
-    """All cells as one actor: colours of cells or corners, outlines, section, and backs.
+    """All cells as one actor: colours of cells or corners, section, and backs.
 
     Parameters
     ----------
@@ -76,21 +76,6 @@ class SurfaceActor:
         mapper.ScalarVisibilityOn()
         self._mesh.Modified()
 
-    def outline(self, flags: NDArray[np.uint8] | None, *, light: bool) -> None:
-        """Draw the edges (n, 4) that are flagged; None for none."""
-        from vtkmodules.vtkCommonDataModel import vtkDataSetAttributes
-
-        about = self._actor.GetProperty()
-        about.SetEdgeVisibility(flags is not None)
-        if flags is None:
-            return
-        about.SetEdgeColor(_LIGHT_LINE if light else _DARK_LINE)
-        about.SetLineWidth(1.0)
-        data = self._mesh.GetPointData()
-        data.AddArray(_array(flags.ravel(), "outlines"))
-        data.SetActiveAttribute("outlines", vtkDataSetAttributes.EDGEFLAG)
-        self._mesh.Modified()
-
     def cut(self, plane: CutPlane | None) -> None:
         """Hide what a section hides."""
         for actor in (self._actor, self._behind):
@@ -131,6 +116,15 @@ class LinesActor:
             mesh.GetPointData().SetScalars(_array(colours, "colours"))
             mapper.SetColorModeToDirectScalars()
         self._set(mesh)
+
+    def hug_surfaces(self) -> None:
+        """Lie a little less before surfaces than VTK's default: lines behind thin things would show through."""
+        mapper = self._actor.GetMapper()
+        mapper.SetRelativeCoincidentTopologyLineOffsetParameters(0.0, 2.0)
+
+    def colour(self, colour: Colour) -> None:
+        """Draw in another colour."""
+        self._actor.GetProperty().SetColor(colour)
 
     def show(self, shown: bool) -> None:
         """Show it, or not."""

@@ -21,9 +21,11 @@ from hradiosity.show.window.marks import (
     sensor_marks,
 )
 from hradiosity.show.window.navigation import Pose
-from hradiosity.show.window.outlines import edge_flags
+from hradiosity.show.window.outlines import FacingOutlines, edge_ends, edge_flags
 from hradiosity.show.window.picking import CutPlane, Picked
 from hradiosity.show.window.stage import (
+    DARK_LINE,
+    LIGHT_LINE,
     ORANGE,
     PURPLE,
     SKY_BLUE,
@@ -53,6 +55,10 @@ class Stand:
         new_ground(renderer)
         self.subject = subject
         self._surface = SurfaceActor(renderer, subject.cells)
+        self._outlines = LinesActor(renderer, DARK_LINE, width=1.0)
+        self._outlines.hug_surfaces()
+        self._outline_level: int | None = None
+        self._facing: FacingOutlines | None = None
         self._sensors = LinesActor(renderer, SKY_BLUE)
         self._points = LinesActor(renderer, SKY_BLUE, width=1.6)
         self._lamps = LinesActor(renderer, ORANGE, width=2.0)
@@ -66,6 +72,7 @@ class Stand:
         self._surface.remove()
         self.subject = subject
         self._surface = SurfaceActor(self._renderer, subject.cells)
+        self._outline_level = None
         self._place_marks()
 
     @property
@@ -81,14 +88,11 @@ class Stand:
     def show(self, look: Look, paint: Paint | None = None) -> None:
         """Show it as a look says, in the subject's own colours or in others."""
         self._surface.paint(self.subject.paint(look) if paint is None else paint)
-        level = max(look.lines, 0)
-        lined = look.lines != NO_LINES or look.mode == "wireframe"
-        flags = edge_flags(self.subject.cells, level) if lined else None
-        self._surface.outline(flags, light=look.mode in _LIGHT_LINES or self.subject.values is not None)
+        self._outline(look)
         self._surface.show_backs(look.backs)
         plane = cut_plane(self.subject.cells, look.section)
         self._surface.cut(plane)
-        for actor in (self._sensors, self._points, self._lamps, self._cameras, self._chosen):
+        for actor in (self._outlines, self._sensors, self._points, self._lamps, self._cameras, self._chosen):
             actor.cut(plane)
         for actor in (self._sensors, self._points, self._lamps, self._cameras):
             actor.show(look.marks)
@@ -112,7 +116,22 @@ class Stand:
         if away != self._seen_views:
             self._seen_views = away
             self._cameras.show_lines(camera_lines(away, size))
+        lines = None if self._facing is None else self._facing.seen_from(pose.position)
+        if lines is not None:
+            self._outlines.show_lines(lines)
         place_camera(self._renderer, pose, size)
+
+    def _outline(self, look: Look) -> None:
+        """Choose outlines; which of them are seen is found where the camera is placed."""
+        lined = look.lines != NO_LINES or look.mode == "wireframe"
+        self._outlines.show(lined)
+        light = look.mode in _LIGHT_LINES or self.subject.values is not None
+        self._outlines.colour(LIGHT_LINE if light else DARK_LINE)
+        level = max(look.lines, 0) if lined else None
+        if level != self._outline_level:
+            cells = self.subject.cells
+            self._facing = None if level is None else FacingOutlines(cells, edge_flags(cells, level))
+            self._outline_level = level
 
     def _place_marks(self) -> None:
         drawn = self.subject.drawn
@@ -152,7 +171,4 @@ def element_outline(cells: Cells, cell: int) -> Lines:
     flags = edge_flags(cells, 0)[those].astype(np.bool_)
     lift = 5e-4 * scene_size(cells) * cells.normal[those][:, None, :]
     corners: NDArray[np.float64] = cells.corners[those] + lift
-    following = np.roll(corners, -1, axis=1)
-    triangle = cells.is_triangle[those]
-    following[triangle, 2] = corners[triangle, 0]
-    return Lines(corners[flags], following[flags])
+    return Lines(corners[flags], edge_ends(corners, cells.is_triangle[those])[flags])

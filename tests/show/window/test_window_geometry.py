@@ -12,7 +12,7 @@ from hradiosity.model.scene import View
 from hradiosity.show.camera import view_axes
 from hradiosity.show.window.marks import camera_lines, lamp_places, sensor_lines, sensor_marks
 from hradiosity.show.window.navigation import Pose, overview, pose_of_view
-from hradiosity.show.window.outlines import edge_flags, element_levels, hierarchy_levels
+from hradiosity.show.window.outlines import FacingOutlines, edge_flags, element_levels, hierarchy_levels
 from hradiosity.show.window.picking import CutPlane, pick, pick_cell
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.visibility import trace_closest
@@ -130,6 +130,22 @@ def test_outlines_of_coarser_levels_are_among_the_finer_ones(subject):
             on_border[:, k] |= line.astype(np.uint8)
     np.testing.assert_array_equal(whole[~cells.is_triangle], on_border[~cells.is_triangle])
     assert not levels[0][cells.is_triangle, 3].any()
+
+
+def test_outlines_are_those_of_cells_that_face_the_eye(subject):
+    cells = subject.cells
+    low, high = cells.bounds
+    outlines = FacingOutlines(cells, edge_flags(cells, 0))
+    for eye in (0.5 * (low + high), high + (high - low)):
+        faced = np.einsum("nk,nk->n", cells.normal, eye - cells.corners[:, 0]) > 0.0
+        lines = outlines.seen_from(eye)
+        assert 0 < faced.sum() < len(cells)
+        assert len(lines.start) == np.where(cells.is_triangle, 3, 4)[faced].sum(), "each cell is an element here"
+        around = np.zeros((faced.sum(), 3))
+        np.add.at(around, np.repeat(np.arange(faced.sum()), np.where(cells.is_triangle, 3, 4)[faced]), lines.end)
+        np.subtract.at(around, np.repeat(np.arange(faced.sum()), np.where(cells.is_triangle, 3, 4)[faced]), lines.start)
+        np.testing.assert_allclose(around, 0.0, atol=1e-12, err_msg="edges of a cell close a loop")
+        assert outlines.seen_from(eye + 1e-9) is None, "nothing is drawn anew"
 
 
 def test_levels_count_halvings(subject):

@@ -16,7 +16,7 @@ from hradiosity.io.results_reading import read_result
 from hradiosity.io.scene_drawing import draw_scene
 from hradiosity.show.window.commands import COMMANDS
 from hradiosity.show.window.keys import BUTTONS, KEYS, command_of
-from hradiosity.show.window.look import MODES, NO_LINES
+from hradiosity.show.window.look import MODES, NO_LINES, Look
 from hradiosity.show.window.picking import pick
 from hradiosity.show.window.subject import Choices, Subject
 
@@ -177,6 +177,19 @@ def test_a_scene_is_shown_before_it_is_solved(off_screen, room):
     assert viewer.legend.scale.unit == "1"
     viewer.click(240, 180)
     assert viewer.facts().curves[-1].name == "reflectance"
+
+
+@NEEDS_GL
+def test_outlines_of_a_floor_that_reaches_behind_the_eye_leave_it_its_colour(off_screen, room):
+    from hradiosity.show.window.viewer import Viewer
+
+    subject = Subject(draw_scene(room), Choices())
+    plain, lined = (
+        inner(Viewer([subject], ["room"], size=SIZE, off_screen=True, look=Look(lines=lines))).astype(np.int64)
+        for lines in (NO_LINES, 0)
+    )
+    changed = (np.abs(plain - lined) > 8).any(axis=2).mean()
+    assert 0.0 < changed < 0.15, "lines, and not faces, are drawn"
 
 
 @NEEDS_GL
