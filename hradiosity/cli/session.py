@@ -35,7 +35,7 @@ def run(request: Request) -> int:
     if request.outputs.view:
         from hradiosity.show.window.display import check_display
 
-        check_display()
+        check_display("leave out --view; `hradiosity view OUT --screenshot FILE` shows the result without one")
     start = time.perf_counter()
     scene = load_scene(request.scene)
     reading = time.perf_counter() - start

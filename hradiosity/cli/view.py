@@ -84,6 +84,7 @@ def view(
     from hradiosity.show.window.subject import Choices
 
     _check(exposure, false_color_range, false_color_scale == "log", size)
+    _check_files(follow, pick, size, screenshot, html)
     if other is None and difference:
         raise _fault("--difference", "there is one result", "two: hradiosity view FIRST SECOND --difference")
     choices = Choices(exposure, None if white is None else white.value, false_color_range)
@@ -146,6 +147,22 @@ def _check(exposure: float | None, scale: tuple[float, float] | None, logarithmi
             raise _fault("--false-color-range", f"{low:g} {high:g} is no range", wanted)
     if not (320 <= size[0] <= 8192 and 240 <= size[1] <= 8192):
         raise _fault("--size", f"is {size[0]} {size[1]}", "320 × 240 to 8192 × 8192 pixels")
+
+
+def _check_files(
+    follow: Path | None, pick: tuple[int, int] | None, size: tuple[int, int], screenshot: Path | None, html: Path | None
+) -> None:
+    """Raise `SceneError` for files of another kind, a place outside of the window, a run that no file would show."""
+    kinds = (("--screenshot", screenshot, (".png",)), ("--html", html, (".html", ".htm")))
+    for entry, file, endings in kinds:
+        if file is not None and file.suffix.lower() not in endings:
+            raise _fault(entry, f"is {str(file)!r}", f"a file name that ends in {endings[0]}")
+    if pick is not None and not (0 <= pick[0] < size[0] and 0 <= pick[1] < size[1]):
+        raise _fault("--pick", f"is {pick[0]} {pick[1]}", f"a place in the window of {size[0]} × {size[1]} pixels")
+    if follow is not None and (screenshot is not None or html is not None):
+        raise _fault(
+            "--follow", "given for a file", f"hradiosity view {follow}, which shows the run that goes on there"
+        )
 
 
 def _fault(entry: str, found: str, expected: str) -> SceneError:

@@ -101,7 +101,10 @@ POINTS = 'kind = "points"\npositions = [[1, 1, 1]]\n'
         ('kind = "luminance"\nview = "a"\nvoid = 1', "void"),
         ('kind = "luminance"\nview = "a"\npixels = [50, 0, 50, 20]', "no rectangle"),
         ('kind = "luminance"\nview = "a"\nrays = [1000, 1000]', "rays"),
-        ('kind = "luminance"\ntargets = [[1, 1, 0]]', "eye"),
+        ('kind = "luminance"\ntargets = [[1, 1, 0]]', "eye: is missing"),
+        ('kind = "luminance"\nview = "a"\neye = [1, 1, 1]', "eye given; none of that with a view"),
+        ('kind = "eye"\npositions = [[1, 1, 1]]\ngaze = [1, 0, 0]\nglare = "yes"', "true or false"),
+        ('kind = "eye"\npositions = [[1, 1, 1]]\ngaze = [1, 0, 0]\nfield = 50', "a table of keys"),
         ('kind = "luminance"\neye = [1, 1, 1]\ntargets = [[1, 1, 1]]', "no direction"),
         ('kind = "luminance"\neye = [1, 1, 1]\ntargets = [[1, 1, 0]]\nrays = [2, 2]', "rays"),
     ],
@@ -119,6 +122,10 @@ def test_maintenance_factors_and_actions(tmp_path):
     np.testing.assert_allclose(kept.luminaires[0].exitance, 0.8 * scene.luminaires[0].exitance)
     assert kept.name == "maintained"
     assert any("actions.a" in str(note) and "outside the bands" in str(note) for note in scene.notes)
+    (tmp_path / "a.csv").write_text("400,0\n900,0\n")
+    (found,) = faults(tmp_path, text)
+    assert "all weights are 0" in found
+    (tmp_path / "a.csv").write_text("400,1\n900,1\n")
     twice = text + '[[variant]]\nname = "Maintained"\nmaterials = { paint = 0.1 }\n'
     assert "another name" in faults(tmp_path, twice)[0]
     for broken, words in (("factor = 0.8", "factor = 1.2"), ('"a.csv"', '"b.csv"'), ("actions.a", 'actions."a b"')):

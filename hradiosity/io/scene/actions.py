@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+import numpy as np
+
 from hradiosity.errors import SceneError
 from hradiosity.io.scene.lines import Location
 from hradiosity.io.scene.report import Report
@@ -32,12 +34,15 @@ def read_actions(tables: Mapping[str, ActionTable], bands: Bands, report: Report
         if len(spectrum.line_power) or len(spectrum.wavelength) < 2:
             report.fault(location, "has lines, or no table", "weights by wavelength")
             continue
+        if not np.any(spectrum.value > 0.0):
+            report.fault(location, "all weights are 0", "weights by wavelength, some of them above 0")
+            continue
         outside = outside_share(spectrum, bands)
         if outside >= WORTH_TELLING:
             extent = f"{bands.lower[0]:g} to {bands.upper[-1]:g} nm"
             report.warn(
                 location,
-                f"{100.0 * outside:.2g} % of its weight, for equal-energy light, lies outside the bands ({extent}): "
+                f"{100.0 * outside:.3g} % of its weight, for equal-energy light, lies outside the bands ({extent}): "
                 f"{name}_w_m2 lacks what light there would bring",
             )
         actions.append(Action(name, spectrum))

@@ -32,6 +32,7 @@ Share = Annotated[float, Strict(), Field(ge=-LARGEST, le=LARGEST, json_schema_ex
 """A number whose bounds 0 … 1 stand in the JSON Schema, but are checked later, in words that tell percent apart."""
 Vector = Annotated[tuple[Number, Number, Number], BeforeValidator(three_numbers)]
 Name = Annotated[str, Strict(), Field(min_length=1)]
+Truth = Annotated[bool, Strict()]
 
 
 def one_of(*keys: str) -> ConfigDict:

@@ -5,7 +5,18 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BeforeValidator, ConfigDict, Field, model_validator
 from pydantic_core import PydanticCustomError
 
-from hradiosity.io.scene.schema_base import LARGEST, Count, Name, Number, Positive, Table, Vector, exactly_one, one_of
+from hradiosity.io.scene.schema_base import (
+    LARGEST,
+    Count,
+    Name,
+    Number,
+    Positive,
+    Table,
+    Truth,
+    Vector,
+    exactly_one,
+    one_of,
+)
 from hradiosity.io.scene.schema_surfaces import BoxFace
 
 _NAME = "name, as it appears in readings.csv"
@@ -151,7 +162,7 @@ class EyeSensor(Table):
     gazes: list[Vector] | None = Field(None, description="direction in which each looks")
     target: Vector | None = Field(None, description="point that all look at [scene unit]")
     field: FieldTable | None = Field(None, description="light from outside of this field of view does not count")
-    glare: bool = Field(False, description="whether glare is rated: UGR of CIE 117, in glare.csv")
+    glare: Truth = Field(False, description="whether glare is rated: UGR of CIE 117, in glare.csv")
 
     @model_validator(mode="after")
     def _one_direction(self) -> "EyeSensor":
@@ -181,8 +192,10 @@ class LuminanceSensor(Table):
     @model_validator(mode="after")
     def _one_region(self) -> "LuminanceSensor":
         what = exactly_one(self, "targets", "directions", "view")
-        if (what == "view") == (self.eye is not None):
-            raise PydanticCustomError("eye", "with a view no `eye`, without one an `eye` is needed")
+        if what == "view" and self.eye is not None:
+            raise PydanticCustomError("useless_key", "{keys} given", {"keys": "eye", "response": "a view"})
+        if what != "view" and self.eye is None:
+            raise PydanticCustomError("no_eye", "no eye")
         if what != "view" and (self.pixels is not None or self.rays is not None):
             raise PydanticCustomError("useless_key", "{keys} given", {"keys": "pixels or rays", "response": what})
         return self

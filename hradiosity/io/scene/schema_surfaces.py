@@ -4,7 +4,7 @@ from typing import Literal
 
 from pydantic import Field, model_validator
 
-from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Vector, exactly_one, one_of
+from hradiosity.io.scene.schema_base import Count, Name, Number, Positive, Table, Truth, Vector, exactly_one, one_of
 from hradiosity.metrics.upsampling import Upsampling
 
 LengthUnit = Literal["m", "cm", "mm", "in", "ft"]
@@ -37,7 +37,7 @@ class PolygonTable(Table):
     )
     material: Name = Field(description=_MATERIAL)
     luminaire: Name | None = Field(None, description=_LUMINAIRE)
-    solid: bool | None = Field(
+    solid: Truth | None = Field(
         None,
         description="behind the faces there is matter and no light; found out if left out. Say true for a block whose "
         "bottom is left out because it stands on the floor",
@@ -65,7 +65,7 @@ class BoxTable(Table):
     luminaire: Name | None = Field(None, description=f"{_LUMINAIRE}: on every face")
     faces: dict[BoxFaces, Name] = Field({}, description="other materials by face; 'sides' means the four upright faces")
     luminaires: dict[BoxFaces, Name] = Field({}, description="luminaires by face; 'sides' means the four upright faces")
-    inside: bool = Field(False, description="normals point inwards: a room")
+    inside: Truth = Field(False, description="normals point inwards: a room")
     omit: list[BoxFaces] = Field([], description="faces that are left out; the box is then no solid")
 
     @model_validator(mode="after")

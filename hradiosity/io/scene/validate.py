@@ -77,6 +77,13 @@ _UNBUILT: Final = {
 """Words that a user may expect to work → the effect, which is refused by name and never ignored."""
 
 _KIND_KEYS: Final = ("kind", "type", "model")
+_EXPECTED: Final = {
+    "bool_type": "true or false",
+    "dict_type": "a table of keys",
+    "model_type": "a table of keys",
+    "model_attributes_type": "a table of keys",
+}
+"""Kinds of errors → what is expected, where pydantic says it in its own terms."""
 
 
 def parse_toml(path: Path) -> tuple[str, dict[str, Any]]:
@@ -150,6 +157,8 @@ def _report_detail(raw: dict[str, Any], detail: ErrorDetails, report: Report) ->
         report.fault(location, detail["msg"], f"none of that with {detail['ctx']['response']}")
     elif kind == "no_facing":
         report.fault((*location, "facing"), "is missing", "the direction that half cylinders face")
+    elif kind == "no_eye":
+        report.fault((*location, "eye"), "is missing", "the place that it is seen from, [x, y, z]")
     elif kind == "literal_error":
         known = detail["ctx"]["expected"].replace(" or ", ", ").strip("'").split("', '")
         report.fault(location, repr(given), did_you_mean(str(given), known))
@@ -161,7 +170,7 @@ def _report_detail(raw: dict[str, Any], detail: ErrorDetails, report: Report) ->
     elif kind == "list_type" and len(location) == 1:
         report.fault(location, f"[{key}] is one table", f"[[{key}]], in double brackets, since there can be several")
     else:
-        expected = detail["msg"].removeprefix("Input should be ")
+        expected = _EXPECTED.get(kind) or detail["msg"].removeprefix("Input should be ")
         report.fault(location, repr(given), f"{expected}: {_description(detail['loc'])}".removesuffix(": "))
 
 

@@ -70,12 +70,12 @@ def view(request: Request) -> None:
     look = _first_look(request, subjects[0])
     if request.page is not None:
         pose = first_pose(subjects[0], camera, request.size)
-        write_bytes(request.page, page_bytes(subjects[0], look, pose, request.paths[0].name))
+        write_bytes(request.page, page_bytes(subjects[0], look, pose, request.paths[0].resolve().name))
     if request.screenshot is not None:
         use_off_screen()
     elif to_files:
         return
-    names = [path.name for path in request.paths]
+    names = [path.name or path.resolve().name for path in request.paths]
     viewer = Viewer(subjects, names, size=request.size, off_screen=to_files, look=look, view=camera)
     if request.pick is not None:
         viewer.click(request.pick[0], request.size[1] - request.pick[1])
@@ -143,6 +143,7 @@ def load_drawn(path: Path) -> Drawn:
 
 def running_in(path: Path) -> Path | None:
     """The folder whose run goes on, if `path` is one: ``OUT`` or ``OUT.partial``."""
+    path = path if path.name else path.resolve()  # "." has no name
     out = path.with_name(path.name.removesuffix(".partial"))
     run = read_run(partial_of(out))
     return out if run is not None and run.get("state") == RUNNING else None

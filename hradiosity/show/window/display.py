@@ -16,12 +16,11 @@ def has_display() -> bool:
     return bool(os.environ.get("DISPLAY"))
 
 
-def check_display() -> None:
-    """Raise `SceneError` where there is no display.
+def check_display(hint: str = "--screenshot FILE or --html FILE show it without one") -> None:
+    """Raise `SceneError` where there is no display; the hint tells what to do then.
 
     The X server is asked through a connection of its own, since VTK ends the process where none answers.
     """
-    hint = "--screenshot FILE or --html FILE show it without one"
     if not has_display():
         raise SceneError([Fault("view", "", "there is no display (DISPLAY is not set)", hint)])
     if sys.platform.startswith("linux") and not _x_server_answers():

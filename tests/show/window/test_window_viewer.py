@@ -286,7 +286,8 @@ def test_without_a_display_one_line_says_so(refused, solved, monkeypatch):
 def test_a_run_with_a_window_does_not_start_without_a_display(room_file, tmp_path, monkeypatch, capsys):
     monkeypatch.delenv("DISPLAY", raising=False)
     assert main(["render", str(room_file), "-o", str(tmp_path / "out"), "--view"]) == 2
-    assert "no display" in capsys.readouterr().err
+    said = capsys.readouterr().err
+    assert "no display" in said and "leave out --view" in said
     assert not list(tmp_path.iterdir())
 
 
@@ -303,6 +304,17 @@ def test_what_can_t_be_shown_is_told(refused, solved, room_file, tmp_path):
     assert "no range" in refused(solved[1], "--false-color-range", 5, 1, *shot)
     assert "above 0" in refused(solved[1], "--exposure", -1, *shot)
     assert "pixels" in refused(solved[1], "--size", 1, 1, *shot)
+    assert "ends in .png" in refused(solved[1], "--screenshot", tmp_path / "a.gif")
+    assert "ends in .html" in refused(solved[1], "--html", tmp_path / "a.pdf")
+    assert "in the window" in refused(solved[1], "--pick", 1280, 0, *shot)
+    assert "given for a file" in refused(solved[1], "--follow", tmp_path / "out", *shot)
+
+
+@NEEDS_GL
+def test_the_folder_that_one_stands_in_is_shown(solved, tmp_path, monkeypatch):
+    monkeypatch.chdir(solved[1])
+    assert main(["view", ".", "--size", "480", "360", "--screenshot", str(tmp_path / "a.png")]) == 0
+    assert Image.open(tmp_path / "a.png").text["Title"] == solved[1].name
 
 
 @NEEDS_GL
