@@ -165,7 +165,7 @@ def next_round(found: Accuracies, accuracy: float, last: Round, done: int) -> Ro
     if needed is not None and needed <= most and (found.fixed <= FIXED_SHARE * accuracy).all():
         return None
     focus, lookup = last.of_readings(len(found.sampling))
-    targets = np.array([MESH_SHARE, EXCHANGE_SHARE, OTHER_SHARE]) * accuracy
+    targets = [share * accuracy for share in (MESH_SHARE, EXCHANGE_SHARE, OTHER_SHARE)]
     fixed = [np.minimum(part, most) for part, most in zip((found.mesh, found.exchange, found.other), targets)]
     room = accuracy**2 - np.sum(np.square(fixed), axis=0)
     excess = MARGIN * done / last.options.replicates * found.sampling**2 / room

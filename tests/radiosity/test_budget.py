@@ -92,6 +92,7 @@ def test_rays_of_elements_follow_the_exchange_part_and_the_share_of_their_noise(
 def test_the_solver_goes_on_where_its_tolerance_is_what_is_left():
     tighter = next_round(found([0.005], other=0.012), 0.01, Round(SMALL), 8).options.tolerance
     assert tighter == pytest.approx(SMALL.tolerance / 3.0)
+    assert type(tighter) is float, "records of runs and checkpoints are JSON"
 
 
 def test_a_round_always_asks_for_something_else():
