@@ -29,9 +29,9 @@ MESH_ORDER: Final = 1.5
 """Power of the edge of elements with which the mesh part falls, about."""
 DEEP: Final = 3
 """Hit at which readings look the solution up whose mesh part is too large."""
-DEEP_GAIN, DEEP_NOISE, DEEP_PRICE = 2.5, 4.0, 2.5
-"""What that divides their mesh and exchange parts by, and multiplies their variance and the price of a path by: medians
-of office and Cornell box, for lookups at the first hit before."""
+DEEP_GAIN, DEEP_NOISE, DEEP_PRICE = 2.5, 6.0, 2.5
+"""What that divides their mesh and exchange parts by, and multiplies their variance and the price of a path by: means
+over office and Cornell box, for lookups at the first hit before, and the larger of both for the variance."""
 ELEMENT_PATHS: Final = 200.0
 """Price of an element in all replicates, in paths: rays, closing and solution. Measured in the office."""
 MOST_READINGS: Final = 0.9
@@ -45,6 +45,8 @@ independent ones; 1.36 was measured in the office, from 512 to 8192."""
 MARGIN: Final = 2.0
 """More samples in a new round than the spread of the last one calls for. The spread is itself an estimate from few
 replicates: among hundreds of equally sure readings the worst then shows about 1.7 times the spread of the rest."""
+LATER_MARGIN: Final = 2.0
+"""The same once more in later rounds, in which few readings lack anything and the others would only be repeated."""
 MOST_GROWTH: Final = 256.0
 """Of samples or elements, from one round to the next."""
 LEAST_TOLERANCE: Final = 1e-6
@@ -151,7 +153,8 @@ def replicates_needed(found: Accuracies, accuracy: float, done: int) -> int | No
 def next_round(found: Accuracies, accuracy: float, last: Round, done: int) -> Round | None:
     """A round whose replicates are expected to be accurate enough; None when more of the same are better.
 
-    Readings that are not sure enough get more samples. Where the mesh part is too large, either all elements become
+    Readings that are not sure enough get more samples. A first round leaves room for all parts; later ones mend what
+    is off. Where the mesh part is too large, either all elements become
     smaller or those readings look the solution up later, whatever is cheaper. Elements send more rays where the
     exchange part, or the share of the noise that comes from the elements, asks for it.
 
@@ -165,12 +168,16 @@ def next_round(found: Accuracies, accuracy: float, last: Round, done: int) -> Ro
     if needed is not None and needed <= most and (found.fixed <= FIXED_SHARE * accuracy).all():
         return None
     focus, lookup = last.of_readings(len(found.sampling))
-    targets = [share * accuracy for share in (MESH_SHARE, EXCHANGE_SHARE, OTHER_SHARE)]
+    again = len(last.focus) > 0
+    shares = FIXED_SHARE if again else MESH_SHARE, EXCHANGE_SHARE, OTHER_SHARE
+    targets = [share * accuracy for share in shares]
     fixed = [np.minimum(part, most) for part, most in zip((found.mesh, found.exchange, found.other), targets)]
     room = accuracy**2 - np.sum(np.square(fixed), axis=0)
     excess = MARGIN * done / last.options.replicates * found.sampling**2 / room
     elements, deep = _finer(found, targets[0], last, excess)
-    need = np.clip((excess * np.where(deep, DEEP_NOISE, 1.0)) ** (1.0 / SAMPLES_ORDER), 1.0, MOST_GROWTH)
+    wanted = excess * np.where(deep, DEEP_NOISE, 1.0)
+    need = np.where(wanted > 1.0, (wanted * (LATER_MARGIN if again else 1.0)) ** (1.0 / SAMPLES_ORDER), 1.0)
+    need = np.minimum(need, MOST_GROWTH)
     exchange = np.where(deep, found.exchange / DEEP_GAIN, found.exchange)
     noise = found.surfaces * float(np.median(excess)) / SURFACES_ROOM / elements
     usual = float(np.quantile(exchange, MOST_READINGS)) if len(exchange) else 0.0
