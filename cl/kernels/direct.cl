@@ -156,10 +156,12 @@ HR_FORCE_INLINE int hr_proved_free(const float3 x, const float3 n, const uint em
 /* The same at single points, as the closed form times the open share of the weighted rays; of many rays only where no
    shaft with most_visits nodes and leaves proves that they are free (0: no proof is tried).
    With n_pilot < n_samples, for pictures: after so many rays that all agree the emitter counts as wholly open or
-   hidden, and all points send their rays to the same places, so that soft edges have no grain. */
+   hidden, and all points send their rays to the same places, so that soft edges have no grain.
+   With HR_EACH every point has a number of rays of its own for every emitter. */
 __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const float *position, /* (n_points, 3) [m]                       */
                             __global const float *normal,   /* (n_points, 3) unit                      */
+                            __global const uint *samples,   /* (n_points, n_emitters), with HR_EACH    */
                             __global float *direct,         /* (n_points, n_emitters) [1] or [m^-2]    */
                             const uint first_point, const uint n_samples, const uint n_pilot,
                             const uint n_emitters, const uint occlusion, const uint most_visits, const uint seed,
@@ -179,7 +181,12 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
     }
     const uint lamp_seed = hr_combine(n_pilot < n_samples ? seed : hr_combine(seed, point), emitter);
     const int near = emitter_patch[emitter] != HR_NONE && hr_far_area(x, emitter, HR_EMITTER) <= 0.0f;
-    const uint rays = emitter_patch[emitter] == HR_NONE ? 1 : n_samples;
+#if HR_EACH
+    const uint most = samples[i];
+#else
+    const uint most = n_samples;
+#endif
+    const uint rays = emitter_patch[emitter] == HR_NONE ? 1 : most;
     if (most_visits && min(rays, n_pilot) >= HR_RAYS_OF_A_SHAFT &&
         hr_proved_free(x, n, emitter, most_visits, scale, HR_EMITTER, HR_PATCH, HR_BVH)) {
         direct[i] = factor;

@@ -19,11 +19,12 @@ HR_FORCE_INLINE float hr_counted(const float3 x, const float3 n, const float3 y,
 
 /* Irradiance for unit emission of each emitter, weighted by the response: the closed form times the weighted mean of
    response and visibility. Near an emitter, points on it and directions by the cosine law are combined as in
-   `direct_points`. */
+   `direct_points`, with HR_EACH as there. */
 __kernel void direct_responses(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                                __global const float *position, /* (n_points, 3) [m]                      */
                                __global const float *normal,   /* (n_points, 3) unit                     */
                                __global const float *response, /* (n_points, HR_RESPONSE_ENTRIES)        */
+                               __global const uint *samples,   /* (n_points, n_emitters), with HR_EACH   */
                                __global float *direct,         /* (n_points, n_emitters) [1] or [m^-2]   */
                                const uint n_samples, const uint n_emitters, const uint occlusion, const uint seed,
                                const float scale, const uint n_items)
@@ -43,7 +44,12 @@ __kernel void direct_responses(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS
     const uint lamp_seed = hr_combine(hr_combine(seed, point), emitter);
     const int near = patch != HR_NONE && hr_far_area(x, emitter, HR_EMITTER) <= 0.0f;
     float whole = 0.0f, whole_rest = 0.0f, counted = 0.0f, counted_rest = 0.0f;
-    for (uint k = 0; k < (patch == HR_NONE ? 1 : n_samples); ++k) {
+#if HR_EACH
+    const uint most = samples[i];
+#else
+    const uint most = n_samples;
+#endif
+    for (uint k = 0; k < (patch == HR_NONE ? 1 : most); ++k) {
         const float3 y = hr_emitter_point(emitter, hr_sample(k, 0, lamp_seed), hr_sample(k, 1, lamp_seed), HR_EMITTER,
                                           HR_PATCH);
         const float light = near ? hr_balanced_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH)

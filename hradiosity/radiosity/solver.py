@@ -288,7 +288,7 @@ class RadiositySolver:
             first = self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
             if self.options.accuracy is not None:
                 self._read_twins(first, surfaces.on_device_elements, light, seed, self._effort)
-        self.record.rays += self._effort.rays(self.plan.n_emitters)
+        self.record.rays += self._effort.rays
         size = light.reflected.nbytes + light.emitter_choice.nbytes
         if len(self._kept) < 2 or (len(self._kept) + 1) * size <= KEPT_BYTES:
             self._kept.append((surfaces.on_device_elements, light, seed))

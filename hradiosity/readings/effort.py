@@ -22,23 +22,25 @@ GUIDED_AT_ONCE = 8192
 """Readings whose guides are made at a time."""
 DARK_SHARE = 0.05
 """Readings darker than this share of the mean count as that bright: their relative error matters less."""
-LEAST, MOST = 0.5, 32.0
-"""Bounds of a reading's share, over an even one."""
+LEAST, LEAST_LIGHT, MOST = 0.5, 0.125, 32.0
+"""Bounds of a reading's share of the paths, and of its shadow rays to an emitter, over an even one."""
+FEWEST = 2
+"""Shadow rays to an emitter: one alone tells its open share with a bias, by what it counts itself."""
 SHADOW_RAY = 0.2
 """Price of a shadow ray, in paths."""
 STRATIFIED = 0.4
 """Error of some hundred shadow rays, which are spread evenly over a lamp, over that of as many drawn at random; of
 paths, which differ in more than where they start, much less is gained."""
 UNSEEN_RAYS = 0.5
-"""Rays of a pilot that count as having seen a lamp when none did."""
-BISECTIONS = 80
+"""Rays of a pilot that count as having seen a lamp when none did, or as having missed it when all saw it."""
+BISECTIONS = 50
 
 
 @dataclass(frozen=True)
 class Effort:
     """Samples of each reading in one replicate.
 
-    light : (n,) int64, shadow rays to each emitter
+    light : (n, n_emitters) int64, shadow rays
     gather : (n,) int64, paths
     guide : (n, parts) float32, share of the paths that start in each part of the hemisphere; no parts: evenly
     lookup : (n,) int64, first hit of a path at which the solution may be looked up
@@ -50,18 +52,21 @@ class Effort:
     lookup: NDArray[np.int64]
 
     @classmethod
-    def even(cls, n: int, light: int, gather: int, lookup: int) -> Effort:
-        """The same for all `n` readings."""
-        light_of, gather_of, lookup_of = (np.full(n, each, np.int64) for each in (light, gather, lookup))
-        return cls(light_of, gather_of, np.zeros((n, 0), np.float32), lookup_of)
+    def even(cls, shape: tuple[int, int], light: int, gather: int, lookup: int) -> Effort:
+        """The same for all readings, (n, n_emitters) of them."""
+        n = shape[0]
+        guide = np.zeros((n, 0), np.float32)
+        return cls(np.full(shape, light, np.int64), np.full(n, gather), guide, np.full(n, lookup))
 
     def focused(self, focus: NDArray[np.float64]) -> Effort:
         """So many times the samples (n,), in steps of a factor 2; the same if there are no entries."""
         if not len(focus):
             return self
         times = 2.0 ** np.rint(np.log2(focus))
+        scaled = self.light * times[:, None], self.gather * times
         light, gather = (
-            np.maximum(np.rint(times * part), part > 0).astype(np.int64) for part in (self.light, self.gather)
+            np.maximum(np.rint(some), part > 0).astype(np.int64)
+            for some, part in zip(scaled, (self.light, self.gather))
         )
         return replace(self, light=light, gather=gather)
 
@@ -73,9 +78,10 @@ class Effort:
         """That of some of the readings."""
         return Effort(**{name: array[chosen] for name, array in self.arrays.items()})
 
-    def rays(self, n_emitters: int) -> int:
+    @property
+    def rays(self) -> int:
         """About how many they take: paths that go on send a shadow ray from each hit."""
-        return int(n_emitters * self.light.sum() + ((2 * self.lookup - 1) * self.gather).sum())
+        return int(self.light.sum() + ((2 * self.lookup - 1) * self.gather).sum())
 
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
@@ -116,7 +122,7 @@ def plan_effort(
     """
     n = len(position)
     if n == 0 or gather_samples <= PILOT_PATHS // 2:
-        return Effort.even(n, light_samples, gather_samples, rules.lookup)
+        return Effort.even((n, scene.n_emitters), light_samples, gather_samples, rules.lookup)
     weight = scene.device.fetch(light.weight)
     brightness = np.einsum("ec,c->e", light.emission, weight)
     pilot = min(PILOT_LIGHT_SAMPLES, max(LEAST_LIGHT_SAMPLES, ALL_LIGHT_SAMPLES // max(scene.n_emitters, 1)))
@@ -136,12 +142,12 @@ def plan_effort(
     variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)
     total = arriving.sum(axis=1) + mean
     total = np.maximum(total, DARK_SHARE * total.mean())
-    partial = _partial(scene, position, normal, direct, pilot, seed, response) * brightness**2
-    gather, penumbra = (
-        np.divide(np.sqrt(some), total, out=np.zeros(n), where=total > 0.0) for some in (variance, partial.sum(axis=1))
+    penumbra = np.sqrt(_partial(scene, position, normal, direct, pilot, seed, response)) * brightness
+    relative = np.divide(1.0, total, out=np.zeros(n), where=total > 0.0)
+    shadow_rays, n_paths = Split(gather_samples, light_samples).shared(
+        STRATIFIED * penumbra * relative[:, None], np.sqrt(variance) * relative
     )
-    rays = Split(gather_samples, light_samples, SHADOW_RAY * scene.n_emitters)
-    return Effort(*rays.shared(STRATIFIED * penumbra, gather), shares, np.full(n, rules.lookup))
+    return Effort(shadow_rays, n_paths, shares, np.full(n, rules.lookup))
 
 
 def _partial(
@@ -156,13 +162,13 @@ def _partial(
     """(n, n_emitters) variance of one shadow ray's factor: F² v (1 − v), F without obstacles, v the visible share.
 
     A lamp that the pilot's rays all missed may yet be seen by one ray in a hundred, which would be most of the light in
-    a deep shadow.
+    a deep shadow; and few rays that all met it prove little.
     """
     samples = 1 if response is None else n_rays
     clear = direct_at_points(scene.without_occlusion(), position, normal, samples, seed, response=response)
     clear = clear.astype(np.float64)
     seen = np.divide(direct, clear, out=np.zeros_like(clear), where=clear > 0.0)
-    likely = np.where(seen > 0.0, np.clip(seen, 0.0, 1.0), UNSEEN_RAYS / n_rays)
+    likely = np.clip(seen, UNSEEN_RAYS / n_rays, 1.0 - UNSEEN_RAYS / n_rays)
     variance: NDArray[np.float64] = clear**2 * likely * (1.0 - likely)
     return variance
 
@@ -172,37 +178,37 @@ class Split:
     """How paths and shadow rays of readings may be exchanged for one another at one price.
 
     gather, light : mean number of paths of a reading, and of its shadow rays to each emitter, as asked for
-    price : of a shadow ray to each emitter, in paths
     """
 
     gather: int
     light: int
-    price: float
 
     def shared(
         self, penumbra: NDArray[np.float64], gather: NDArray[np.float64]
     ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-        """Shadow rays to each emitter (n,) and paths (n,) of each reading, n ∝ σ/√price, in steps of a factor 2.
+        """Shadow rays (n, n_emitters) and paths (n,) of each reading, n ∝ σ/√price, in steps of a factor 2.
 
         Parameters
         ----------
-        penumbra, gather : (n,) float64
-            Relative error of a reading by one shadow ray to each emitter, and by one path.
+        penumbra : (n, n_emitters) float64
+            Relative error of a reading by one shadow ray to an emitter.
+        gather : (n,) float64
+            The same by one path.
         """
-        root = self.price**0.5
-        whole = len(gather) * (self.gather + self.price * self.light)
-        wanted = gather, np.divide(penumbra, root, out=np.zeros_like(penumbra), where=root > 0.0)
+        whole = len(gather) * self.gather + SHADOW_RAY * penumbra.size * self.light
+        wanted = (penumbra / SHADOW_RAY**0.5, self.light, LEAST_LIGHT), (gather, self.gather, LEAST)
         low, high = 1e-12, 1e12
         for _ in range(BISECTIONS):
             middle = (low * high) ** 0.5
-            paths, rays = (_stepped(middle * some, even) for some, even in zip(wanted, (self.gather, self.light)))
-            low, high = (middle, high) if paths.sum() + self.price * rays.sum() <= whole else (low, middle)
-        light, paths = (_stepped(low * some, even) for some, even in zip(wanted[::-1], (self.light, self.gather)))
+            light, paths = (_stepped(middle * some, even, least) for some, even, least in wanted)
+            low, high = (middle, high) if paths.sum() + SHADOW_RAY * light.sum() <= whole else (low, middle)
+        light, paths = (_stepped(low * some, even, least) for some, even, least in wanted)
         return light, paths
 
 
-def _stepped(samples: NDArray[np.float64], even: int) -> NDArray[np.int64]:
+def _stepped(samples: NDArray[np.float64], even: int, least: float) -> NDArray[np.int64]:
     """Within bounds about an even share, in steps of a factor 2 from there."""
-    share = np.clip(samples / max(even, 1), LEAST, MOST)
-    stepped: NDArray[np.int64] = np.maximum(np.rint(2.0 ** np.rint(np.log2(share)) * even), 1).astype(np.int64)
+    share = np.clip(samples / max(even, 1), least, MOST)
+    fewest = min(FEWEST, even)
+    stepped: NDArray[np.int64] = np.maximum(np.rint(2.0 ** np.rint(np.log2(share)) * even), fewest).astype(np.int64)
     return stepped

@@ -74,12 +74,8 @@ def read_points(
     n = len(position)
     used = light.columns.n_columns
     emission = light.emission[:, :used]
-    irradiance = np.zeros((n, used))
-    for count in np.unique(effort.light):
-        part = np.flatnonzero(effort.light == count)
-        weighing = None if response is None else response[part]
-        direct = direct_at_points(scene, position[part], normal[part], int(count), seed + int(count), response=weighing)
-        irradiance[part] = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
+    direct = direct_at_points(scene, position, normal, effort.light, seed, response=response)
+    irradiance = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
     enclosed, some_row = np.zeros(n), np.full(n, -1)
     change = np.zeros((n, used))
     guide = effort.tables

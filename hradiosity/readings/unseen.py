@@ -32,8 +32,10 @@ def brightest_unseen(
     position, normal : (n, 3) float64
         World frame [m], unit normals.
     samples : ReadingSamples
-    light_samples, gather_samples : (n,) int64
-        Shadow rays to each emitter, and paths.
+    light_samples : (n, n_emitters) int64
+        Shadow rays.
+    gather_samples : (n,) int64
+        Paths.
 
     Returns
     -------
@@ -48,9 +50,9 @@ def brightest_unseen(
     dark = np.flatnonzero(lightless & (brightest.any(axis=1) | (gather_samples == 0)))
     clear = direct_at_points(scene.without_occlusion(), position[dark], normal[dark], 1, 0).astype(np.float64)
     has_area = scene.device.fetch(scene.emitters["emitter_extent"])[: scene.n_emitters, 0] > 0.0
-    straight = np.einsum("xe,ec->xc", clear * has_area, light.emission[:, :used])
+    straight = np.einsum("xe,ec->xc", clear * has_area / light_samples[dark], light.emission[:, :used])
     unseen = np.zeros_like(samples.irradiance)
-    unseen[dark] = straight / light_samples[dark, None] + brightest[dark] / np.maximum(gather_samples[dark, None], 1)
+    unseen[dark] = straight + brightest[dark] / np.maximum(gather_samples[dark, None], 1)
     return unseen
 
 

@@ -67,7 +67,7 @@ def direct_at_points(
     scene: DeviceScene,
     position: NDArray[np.float64],
     normal: NDArray[np.float64],
-    n_samples: int,
+    n_samples: int | NDArray[np.int64],
     seed: int,
     n_pilot: int | None = None,
     response: NDArray[np.float32] | None = None,
@@ -80,9 +80,9 @@ def direct_at_points(
         World frame [m].
     normal : (n, 3) float64
         Unit normals.
-    n_samples : int
-        Shadow rays to each area emitter; their weighted open share multiplies the closed-form factor. None are traced
-        where a shaft proves that the way is free.
+    n_samples : int, or (n, n_emitters) int64
+        Shadow rays to each area emitter, 1 or more; their weighted open share multiplies the closed-form factor. None
+        are traced where a shaft proves that the way is free.
     n_pilot : int, optional
         For pictures: stop after this many rays to an emitter when they all agree, which is cheaper, but no longer
         unbiased where an emitter is nearly open or nearly hidden; and all points send their rays to the same places,
@@ -100,16 +100,18 @@ def direct_at_points(
     if response is not None:
         return _direct_by_response(scene, position, normal, response, n_samples, seed)
     direct = device.empty((len(position), scene.n_emitters), np.float32)
-    device.kernel("direct", "direct_points")(
+    each, most = _each(scene, n_samples)
+    device.kernel("direct", "direct_points", HR_EACH=int(isinstance(n_samples, np.ndarray)))(
         len(position) * scene.n_emitters,
         **scene.geometry,
         **scene.emitters,
         position=device.upload(position - scene.bvh.local_origin, np.float32),
         normal=device.upload(normal, np.float32),
+        samples=each,
         direct=direct,
         first_point=0,
-        n_samples=n_samples,
-        n_pilot=n_samples if n_pilot is None else n_pilot,
+        n_samples=most,
+        n_pilot=most if n_pilot is None else n_pilot,
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
         most_visits=MOST_VISITS if scene.shafts else 0,
@@ -120,26 +122,35 @@ def direct_at_points(
     return fetched
 
 
+def _each(scene: DeviceScene, n_samples: int | NDArray[np.int64]) -> tuple[DeviceArray, int]:
+    """Numbers of rays on the device, none if there is one for all; and the largest."""
+    if isinstance(n_samples, np.ndarray):
+        return scene.device.upload(n_samples, np.uint32), int(n_samples.max(initial=1))
+    return scene.device.empty((1,), np.uint32), int(n_samples)
+
+
 def _direct_by_response(
     scene: DeviceScene,
     position: NDArray[np.float64],
     normal: NDArray[np.float64],
     response: NDArray[np.float32],
-    n_samples: int,
+    n_samples: int | NDArray[np.int64],
     seed: int,
 ) -> NDArray[np.float32]:
     """(n, n_emitters) as `direct_at_points`, each direction weighted by the response."""
     device = scene.device
     direct = device.empty((len(position), scene.n_emitters), np.float32)
-    device.kernel("responses", "direct_responses")(
+    each, most = _each(scene, n_samples)
+    device.kernel("responses", "direct_responses", HR_EACH=int(isinstance(n_samples, np.ndarray)))(
         len(position) * scene.n_emitters,
         **scene.geometry,
         **scene.emitters,
         position=device.upload(position - scene.bvh.local_origin, np.float32),
         normal=device.upload(normal, np.float32),
         response=device.upload(response),
+        samples=each,
         direct=direct,
-        n_samples=n_samples,
+        n_samples=most,
         n_emitters=scene.n_emitters,
         occlusion=int(scene.occlusion),
         seed=seed,

@@ -100,7 +100,7 @@ def test_a_replicate(device, bands):
         light,
         sensor.position,
         sensor.normal,
-        Effort(few, few, shares, np.array([1, 3])),
+        Effort(np.column_stack([few] * solver.on_device.n_emitters), few, shares, np.array([1, 3])),
         rules=PathRules(1, 0.5, 1.0),
         seed=1,
     )
