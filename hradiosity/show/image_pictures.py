@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from time import perf_counter
 from typing import Final
 
 import numpy as np
@@ -72,7 +73,7 @@ def write_images(
     on_device : DeviceScene, optional
         The scene's ray structure, where it is at hand already.
     progress : callable, optional
-        Is told what is done.
+        Is told what is done, and from the second pass on how long all images will still take, at the last pass's pace.
 
     Returns
     -------
@@ -120,6 +121,7 @@ def _images(
     """Images of all views; when interrupted, those that have two passes."""
     images: list[Image] = []
     growing: GrowingImage | None = None
+    pace = 0.0
     try:
         sized_views = [_sized(view, options.size) for view in views]
         light = image_light(solution, on_device, sized_views)
@@ -134,8 +136,11 @@ def _images(
             )
             for number in range(PASSES):
                 if progress is not None:
-                    progress(f"image of {view.name!r}: pass {number + 1} of {PASSES}")
+                    left = (PASSES - number) * _size(view) + PASSES * sum(map(_size, sized_views[len(images) + 1 :]))
+                    progress(f"image of {view.name!r}: pass {number + 1} of {PASSES}{time_left(left * pace)}")
+                start = perf_counter()
                 growing.add_pass()
+                pace = (perf_counter() - start) / _size(view)
             images.append(growing.image())
             growing = None
     except KeyboardInterrupt:
@@ -143,6 +148,18 @@ def _images(
             images.append(growing.image())
         return images, True
     return images, False
+
+
+def time_left(seconds: float) -> str:
+    """What to say of the time that images will still take; nothing while it is unknown (0)."""
+    if seconds <= 0.0:
+        return ""
+    return f", about {seconds:.0f} s left" if seconds < 100.0 else f", about {seconds / 60.0:.0f} min left"
+
+
+def _size(view: View) -> int:
+    """Pixels."""
+    return view.width * view.height
 
 
 def _sized(view: View, size: tuple[int, int] | None) -> View:

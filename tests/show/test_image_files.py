@@ -11,7 +11,8 @@ from hradiosity.errors import OutputError
 from hradiosity.metrics.colorimetric import xyz_weights
 from hradiosity.radiosity import solve
 from hradiosity.show import image as image_module
-from hradiosity.show.image_pictures import ImageOptions, write_images
+from hradiosity.show import image_pictures
+from hradiosity.show.image_pictures import ImageOptions, time_left, write_images
 from hradiosity.show.pictures import PictureOptions
 from hradiosity.show.radiance_file import radiance_picture, scan_line
 
@@ -126,6 +127,30 @@ def test_an_interrupted_image_is_kept_with_what_it_has(device, tmp_path, monkeyp
     drawn, interrupted = write_images(solution, tmp_path, device, None, ImageOptions(samples=4))
     assert interrupted and [entry["view"] for entry in drawn.record["pictures"]] == ["v"]
     assert not drawn.record["pictures"][0]["complete"] and drawn.record["pictures"][0]["samples"] == 2
+
+
+def test_the_time_left_is_told_at_the_pace_of_the_last_pass(device, tmp_path, monkeypatch):
+    """Passes of 2 s for the first view and of 4 s for the second, which has twice the pixels."""
+    scene = replace(furnished_room(), views=(ROOM, replace(ROOM, name="w", width=2 * ROOM.width)))
+    solution = solve(scene, QUICK, device)
+    clock = [0.0]
+
+    def lasting(light, view, *others, original=image_module.trace_pass):
+        clock[0] += 2.0 * view.width / ROOM.width
+        return original(light, view, *others)
+
+    monkeypatch.setattr(image_module, "trace_pass", lasting)
+    monkeypatch.setattr(image_pictures, "perf_counter", lambda: clock[0])
+    told = []
+    write_images(solution, tmp_path, device, None, ImageOptions(samples=4), progress=told.append)
+    expected = [f"image of 'v': pass {n} of 4{left}" for n, left in enumerate(
+        ("", ", about 22 s left", ", about 20 s left", ", about 18 s left"), 1)]  # fmt: skip
+    assert told[:4] == expected
+    assert [words.rpartition("about ")[2] for words in told[4:]] == [f"{s} s left" for s in (16, 12, 8, 4)]
+
+
+def test_long_times_are_told_in_minutes():
+    assert time_left(0.0) == "" and time_left(99.0) == ", about 99 s left" and time_left(290.0) == ", about 5 min left"
 
 
 def test_folder_that_cannot_be_written(device, tmp_path):
