@@ -31,7 +31,6 @@ from hradiosity.io.output_folder import publish
 from hradiosity.io.results import write_glare, write_results, write_run
 from hradiosity.io.results_variants import variants_record
 from hradiosity.io.run_record import sensor_record
-from hradiosity.model.variants import MAINTAINED
 from hradiosity.radiosity import RadiositySolver
 from hradiosity.readings.glare import glare_of
 from hradiosity.solution import Solution
@@ -161,10 +160,12 @@ def _report(run: Run, solution: Solution, seconds: dict[str, float], state: str)
         told = [*parts_lines(solution.readings), *audit_lines(solution.record), *outside_lines(solution.scene.bands)]
         told.append(f"intervals do not cover {NOT_COVERED}; --sensitivity tells what wrong ones would change")
         display.lines([*sensor_lines(solution.readings), *told], title=title)
-    if MAINTAINED in solution.variants:
-        display.lines(maintained_lines(solution), title=MAINTAINED_TITLE)
-    if solution.variants:
-        display.lines(variant_lines(solution), title=DIFFERENCES_TITLE)
+    for lines, title in (
+        (maintained_lines(solution), MAINTAINED_TITLE),
+        (variant_lines(solution), DIFFERENCES_TITLE),
+    ):
+        if lines:
+            display.lines(lines, title=title)
     for title, lines in run.closing:
         display.lines(lines, title=title)
     display.lines(time_lines(seconds), title="Where the time went")

@@ -9,9 +9,15 @@ DIFFERENCES_TITLE = "Differences of the variants from the scene, with 95 % inter
 
 
 def variant_lines(solution: Solution) -> list[str]:
-    """A table of mean illuminance and uniformity, a line a variant and sensor: what the variant adds."""
+    """A table of mean illuminance and uniformity, a line a variant and sensor: what the variant adds.
+
+    Maintained values have a table of their own, and their difference is the user's own factor.
+    """
+    from hradiosity.model.variants import MAINTAINED
+
     rows = [("variant", "sensor", "mean lx", "mean %", "uniformity")]
-    for name, variant in solution.variants.items():
+    shown = {name: variant for name, variant in solution.variants.items() if name != MAINTAINED}
+    for name, variant in shown.items():
         for sensor, found in variant.differences.items():
             if variant.readings[sensor].kind == "luminance":
                 continue

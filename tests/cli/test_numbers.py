@@ -205,6 +205,7 @@ def test_maintained_values_are_those_of_dimmed_lamps(everything):
     own = column(table(out / "variants" / "maintained" / "readings.csv"), "illuminance_lx")
     np.testing.assert_allclose(kept, own, rtol=1e-8)
     assert "Maintained illuminance" in outcome.out
+    assert "Differences of the variants" not in outcome.out
 
 
 def test_action_spectra_are_columns(everything):

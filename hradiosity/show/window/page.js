@@ -2,7 +2,7 @@
 
 const MODES = [["flat", "Flat"], ["smooth", "Smooth"], ["wireframe", "Wireframe"], ["unshaded", "Unshaded"],
   ["false-color", "False colours"]];
-const state = { mode: DATA.mode, quantity: "illuminance", log: false, lines: false, marks: !DATA.solved, walk: false,
+const state = { mode: DATA.mode, quantity: "illuminance", log: false, lines: DATA.lines, marks: !DATA.solved, walk: false,
   pose: structuredClone(DATA.pose), picked: null };
 const by = (id) => document.getElementById(id);
 const canvas = by("view");

@@ -18,7 +18,7 @@ from hradiosity.model.spectrum import Bands
 from hradiosity.show.colormap import scale_colours as map_colours
 from hradiosity.show.exposure import to_bytes
 from hradiosity.show.window.colours import LightValues
-from hradiosity.show.window.look import MODES, Look, Quantity
+from hradiosity.show.window.look import MODES, NO_LINES, Look, Quantity
 from hradiosity.show.window.marks import lamp_lines, scene_size, sensor_lines, sensor_marks
 from hradiosity.show.window.navigation import Pose, overview
 from hradiosity.show.window.outlines import edge_flags, element_levels
@@ -63,6 +63,7 @@ def page_data(subject: Subject, look: Look, pose: Pose, title: str) -> dict[str,
         "title": title,
         "solved": values is not None,
         "mode": look.mode,
+        "lines": look.lines != NO_LINES,
         "count": len(cells),
         "size": size,
         "pose": _pose(pose),
