@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from typing import TypeVar
+
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.io.drawn_scene import Cells
 from hradiosity.show.window.marks import Lines
+
+Number = TypeVar("Number", np.float64, np.int64)
 
 
 def hierarchy_levels(cells: Cells) -> int:
@@ -53,8 +57,8 @@ def edge_flags(cells: Cells, level: int) -> NDArray[np.uint8]:
     return flags
 
 
-def edge_ends(corners: NDArray[np.float64], is_triangle: NDArray[np.bool_]) -> NDArray[np.float64]:
-    """(n, 4, 3) where the edge from each corner (n, 4, 3) ends; the third one of a triangle at its first corner."""
+def edge_ends(corners: NDArray[Number], is_triangle: NDArray[np.bool_]) -> NDArray[Number]:
+    """Where the edge from each corner (n, 4, …) ends; the third one of a triangle at its first corner."""
     end = np.roll(corners, -1, axis=1)
     end[is_triangle, 2] = corners[is_triangle, 0]
     return end
@@ -74,7 +78,7 @@ class FacingOutlines:
     """
 
     def __init__(self, cells: Cells, flags: NDArray[np.uint8]) -> None:
-        self._cell, corner = np.nonzero(flags)
+        self._cell, corner = _once(cells, *np.nonzero(flags))
         self._start = cells.corners[self._cell, corner]
         self._end = edge_ends(cells.corners, cells.is_triangle)[self._cell, corner]
         self._normal = cells.normal
@@ -89,6 +93,23 @@ class FacingOutlines:
         self._faced = faced
         seen = faced[self._cell]
         return Lines(self._start[seen], self._end[seen])
+
+
+def _once(
+    cells: Cells, cell: NDArray[np.int64], corner: NDArray[np.int64]
+) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Edges without those that a neighbour on the same side of the same patch has too: both are seen, or none."""
+    place = cells.place.astype(np.int64)
+    spot = place[..., 0] * (int(cells.grid.max(initial=1)) + 1) + place[..., 1]
+    start, end = spot[cell, corner], edge_ends(spot, cells.is_triangle)[cell, corner]
+    surface = 2 * cells.patch[cell].astype(np.int64) + cells.side[cell]
+    keys = (np.maximum(start, end), np.minimum(start, end), surface)
+    order = np.lexsort(keys)
+    new = np.ones(len(order), np.bool_)
+    if len(order) > 1:
+        new[1:] = np.any([key[order[1:]] != key[order[:-1]] for key in keys], axis=0)
+    kept = np.sort(order[new])
+    return cell[kept], corner[kept]
 
 
 def _on_line(place: NDArray[np.int64], block: NDArray[np.int64], count: NDArray[np.int64]) -> NDArray[np.bool_]:
