@@ -57,8 +57,16 @@ def test_verbs_exist():
         assert verb in make_app()
 
 
+def test_chapters_exist():
+    titles = re.findall(r"^##+ (.*)$", README, flags=re.MULTILINE)
+    anchors = {re.sub(r"[^a-z0-9 -]", "", title.casefold()).replace(" ", "-") for title in titles}
+    linked = re.findall(r"\]\(#([^)]+)\)", README)
+    assert linked
+    assert set(linked) <= anchors
+
+
 def test_files_exist():
-    for name in re.findall(r"\]\(([^)]+)\)", README):
+    for name in re.findall(r"\]\(([^#)]+)\)", README):
         assert (OWN_SUITE / name).is_file(), name
     for name in re.findall(r"\b(?:scenes|examples)/\w+(?:\.py)?", README):
         if name != "scenes/open_plan":
