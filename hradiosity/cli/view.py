@@ -87,6 +87,8 @@ def view(
     _check_files(follow, pick, size, screenshot, html)
     if other is None and difference:
         raise _fault("--difference", "there is one result", "two: hradiosity view FIRST SECOND --difference")
+    if other is not None and html is not None:
+        raise _fault("--html", "there are two results", "one, which the page shows; or --screenshot, which shows two")
     choices = Choices(exposure, None if white is None else white.value, false_color_range)
     look = Look(
         mode=mode,

@@ -299,6 +299,7 @@ def test_what_can_t_be_shown_is_told(refused, solved, room_file, tmp_path):
     (tmp_path / "a.vtkhdf").write_text("no", encoding="utf-8")
     assert "damaged" in refused(tmp_path / "a.vtkhdf", *shot)
     assert "there is one result" in refused(solved[1], "--difference", *shot)
+    assert "one, which the page" in refused(solved[1], solved[1], "--html", tmp_path / "a.html")
     assert "two results" in refused(solved[1], room_file, "--difference", *shot)
     assert "door, corner" in refused(solved[1], "--camera", "window", *shot)
     assert "no range" in refused(solved[1], "--false-color-range", 5, 1, *shot)
