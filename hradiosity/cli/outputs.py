@@ -12,6 +12,9 @@ from hradiosity.cli.settings import OUTPUT
 from hradiosity.cli.values import FalseColor, FalseColorScale, White
 from hradiosity.errors import Fault, SceneError
 
+MOST_IMAGE_SAMPLES = 1024
+"""A quarter of them are one launch, which nothing breaks off: minutes, for a large image."""
+
 
 @Parameter(name="*")
 @dataclass(frozen=True, kw_only=True)
@@ -91,8 +94,9 @@ class Outputs:
         faults = []
         if self.asks_for_images and not (images and self.pictures):
             faults.append(("image-samples, image-size and image-spectra are for images", "--quality image"))
-        if self.image_samples is not None and self.image_samples < 1:
-            faults.append((f"image-samples must be at least 1, is {self.image_samples}", ""))
+        if self.image_samples is not None and not 1 <= self.image_samples <= MOST_IMAGE_SAMPLES:
+            wanted = f"at least 1 and at most {MOST_IMAGE_SAMPLES}"
+            faults.append((f"image-samples must be {wanted}, is {self.image_samples}", ""))
         if self.image_size is not None and not all(1 <= side <= 1 << 15 for side in self.image_size):
             faults.append(("image-size {} {} is no size".format(*self.image_size), "two numbers from 1 to 32768"))
         return faults

@@ -67,4 +67,6 @@ def test_what_only_images_have(room, call, tmp_path):
     outcome = call(
         "render", room, "-o", tmp_path / "out", "--quality", "image", "--image-samples", 0, "--image-size", 0, 5
     )
-    assert outcome.code == 2 and "at least 1, is 0" in outcome.err and "0 5 is no size" in outcome.err
+    assert outcome.code == 2 and "at most 1024, is 0" in outcome.err and "0 5 is no size" in outcome.err
+    outcome = call("render", room, "-o", tmp_path / "out", "--quality", "image", "--image-samples", 99999999)
+    assert outcome.code == 2 and "at most 1024, is 99999999" in outcome.err
