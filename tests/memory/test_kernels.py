@@ -135,15 +135,13 @@ def test_readings_that_weigh_directions(device):
     lit = lit_fronts(scene)
     plan = make_plan(scene, options, lit)
     solver = SurfaceSolver(device, scene, build_bvh(device, scene.patches), lit, plan, options, Record())
-    few = np.full(4, 4)
     samples = read_points(
         solver.on_device,
         solver.on_device_elements,
         solver.replicate(1),
         ball.position,
         ball.normal,
-        light_samples=few,
-        gather_samples=few,
+        Effort.even((4, solver.on_device.n_emitters), 4, 4, lookup=1),
         rules=PathRules(1, 0.5, 1.0),
         seed=1,
         response=ball.parts.response,
