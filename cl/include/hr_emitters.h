@@ -97,4 +97,20 @@ HR_FORCE_INLINE float hr_aimed_at(const float3 x, const float3 d, const uint emi
     return u >= 0.0f && v >= 0.0f && u <= 1.0f && v <= last ? t : 0.0f;
 }
 
+/* What the ray from x along d, which ended at distance t_end on the patch `met`, adds to the gain from a near emitter
+   one point of which was tried: the second half of the balance heuristic. With `clear` its closed form counts, and what
+   is found hidden is taken off; else what is found open is added. */
+HR_FORCE_INLINE float hr_found_on_ray(const float3 x, const float3 n, const float3 d, const uint met, const float t_end,
+                                      const uint emitter, const int clear, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
+{
+    const float t = hr_aimed_at(x, d, emitter, HR_EMITTER, HR_PATCH);
+    if (t <= 0.0f)
+        return 0.0f;
+    const int hidden = met != emitter_patch[emitter] && t_end < t;
+    if (hidden != clear)
+        return 0.0f;
+    const float weight = hr_balanced_weight(x, n, x + t * d, emitter, HR_EMITTER, HR_PATCH);
+    return hidden ? -weight : weight;
+}
+
 #endif

@@ -28,22 +28,8 @@ HR_FORCE_INLINE uint hr_pixel_order(const uint x, const uint y, const uint level
     return hr_owen(hr_reverse_bits(code << unused), seed) >> unused;
 }
 
-/* First entry of the ascending row of n sums that is greater than x. */
-HR_FORCE_INLINE uint hr_drawn_entry(__global const float *sums, const uint n, const float x)
-{
-    uint low = 0, high = n - 1;
-    while (low < high) {
-        const uint middle = (low + high) / 2;
-        if (x < sums[middle])
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
-}
-
 /* A lamp that was tried at a surface point, for unit emission: its number, and what is added for it. near: its sample is
-   weighed against directions drawn by the cosine law, and what they find is to be added (hr_lamp_on_ray). clear: its
+   weighed against directions drawn by the cosine law, and what they find is to be added (hr_found_on_ray). clear: its
    closed form counts already, so that only what is found hidden is taken off, and else what is found open is added. */
 typedef struct {
     uint emitter;
@@ -67,7 +53,7 @@ HR_FORCE_INLINE hr_tried_lamp hr_try_lamp(const float3 x, const float3 n, const 
         return lamp;
     const int known = HR_IS_ROW(row);
     const size_t at = known ? (size_t)row * n_emitters : 0;
-    const uint e = known ? hr_drawn_entry(lamp_choice + at, n_emitters, numbers.z)
+    const uint e = known ? hr_draw(lamp_choice + at, n_emitters, numbers.z)
                          : (uint)hr_smaller(numbers.z * (float)n_emitters, (float)(n_emitters - 1));
     lamp.emitter = e;
     lamp.clear = known && lamp_clear[at + e];
@@ -91,20 +77,6 @@ HR_FORCE_INLINE hr_tried_lamp hr_try_lamp(const float3 x, const float3 n, const 
     if (hidden == lamp.clear)
         lamp.gain = hidden ? -drawn : drawn;
     return lamp;
-}
-
-/* What the ray from x along d, which ended at distance t_end on the patch `met`, adds to the gain from a near lamp. */
-HR_FORCE_INLINE float hr_lamp_on_ray(const float3 x, const float3 n, const float3 d, const uint met, const float t_end,
-                                     const hr_tried_lamp lamp, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
-{
-    const float t = hr_aimed_at(x, d, lamp.emitter, HR_EMITTER, HR_PATCH);
-    if (t <= 0.0f)
-        return 0.0f;
-    const int hidden = met != emitter_patch[lamp.emitter] && t_end < t;
-    if (hidden != lamp.clear)
-        return 0.0f;
-    const float weight = hr_balanced_weight(x, n, x + t * d, lamp.emitter, HR_EMITTER, HR_PATCH);
-    return hidden ? -weight : weight;
 }
 
 #endif

@@ -87,4 +87,18 @@ HR_FORCE_INLINE float3 hr_cosine_direction(const float3 n, const float u, const 
     return x * tangent + y * bitangent + z * n;
 }
 
+/* First entry of the ascending row of n sums that is greater than x. */
+HR_FORCE_INLINE uint hr_draw(__global const float *sums, const uint n, const float x)
+{
+    uint low = 0, high = n - 1;
+    while (low < high) {
+        const uint middle = (low + high) / 2;
+        if (x < sums[middle])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
 #endif

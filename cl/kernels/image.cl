@@ -102,7 +102,8 @@ __kernel void image_samples(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                 hit = hr_closest_hit(HR_BVH, hr_offset_origin(x0, n0, scale), d, INFINITY, first_own);
                 if (straight.near)
                     straight.gain +=
-                        counts * hr_lamp_on_ray(x0, n0, d, hit.patch, hit.t, straight, HR_EMITTER, HR_PATCH);
+                        counts * hr_found_on_ray(x0, n0, d, hit.patch, hit.t, straight.emitter, straight.clear,
+                                                 HR_EMITTER, HR_PATCH);
                 if (!gathers)
                     continue;
                 hr_set(weight, counts);
@@ -132,7 +133,8 @@ __kernel void image_samples(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                     d = hr_cosine_direction(n, hr_plain(plain, place + 3), hr_plain(plain, place + 4));
                     hit = hr_closest_hit(HR_BVH, hr_offset_origin(x, n, scale), d, INFINITY, own);
                     if (lamp.near)
-                        lamp.gain += hr_lamp_on_ray(x, n, d, hit.patch, hit.t, lamp, HR_EMITTER, HR_PATCH);
+                        lamp.gain += hr_found_on_ray(x, n, d, hit.patch, hit.t, lamp.emitter, lamp.clear, HR_EMITTER,
+                                                     HR_PATCH);
                     hr_add_clear_lamps(light, weight, x, n, own, row, clear_lamps, emission, HR_EMITTER, HR_PATCH);
                     hr_add_spectrum(light, lamp.gain / lamp.probability, weight, emission, lamp.emitter);
                 }

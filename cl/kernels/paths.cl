@@ -7,22 +7,8 @@
 #include "include/hr_response.h"
 #include "include/hr_sight.h"
 
-/* First entry of the ascending row of n sums that is greater than x. */
-HR_FORCE_INLINE uint hr_draw(__global const float *sums, const uint n, const float x)
-{
-    uint low = 0, high = n - 1;
-    while (low < high) {
-        const uint middle = (low + high) / 2;
-        if (x < sums[middle])
-            high = middle;
-        else
-            low = middle + 1;
-    }
-    return low;
-}
-
 /* Light at a surface point from one drawn emitter: which, its factor over the probability with which it was drawn, and,
-   if it is near, that probability, else 0: the next direction then has its say as well (see hr_light_on_ray). */
+   if it is near, that probability, else 0: the next direction then has its say as well (see hr_found_on_ray). */
 typedef struct {
     uint emitter;
     float gain;
@@ -73,26 +59,11 @@ HR_FORCE_INLINE hr_explicit hr_light_hit(const float3 x, const float3 n, const u
     return light;
 }
 
-/* What the ray from x along d, which met `hit`, adds to the gain from a near emitter: the second half of the balance
-   heuristic. */
-HR_FORCE_INLINE float hr_light_on_ray(const float3 x, const float3 n, const float3 d, const hr_hit hit,
-                                      const hr_explicit light, HR_EMITTER_PARAMS, HR_PATCH_PARAMS)
-{
-    const float t = hr_aimed_at(x, d, light.emitter, HR_EMITTER, HR_PATCH);
-    if (t <= 0.0f)
-        return 0.0f;
-    const int hidden = hit.patch != emitter_patch[light.emitter] && hit.t < t;
-    if (hidden != light.clear)
-        return 0.0f;
-    const float met = hr_balanced_weight(x, n, x + t * d, light.emitter, HR_EMITTER, HR_PATCH) / light.near_probability;
-    return hidden ? -met : met;
-}
-
 /* Paths of `path_number`: hits are lit explicitly until the solution is looked up, at the hit number `lookup` at the
    earliest, and never at a hit nearer than `near_factor` sizes of its element, or `first_near_factor` at the first hit:
-   there one value for the whole element is too coarse (corners, contacts, slots). Sides that no light was found to reach have no solution: there the path
-   goes on. A path that has no place left for a further lit hit is left out and marked
-   HR_LONG, to be traced again with more places, or looks the solution up all the same if `last_chance` is set.
+   there one value for the whole element is too coarse (corners, contacts, slots). Sides that no light was found to
+   reach have no solution: there the path goes on. A path that has no place left for a further lit hit is left out and
+   marked HR_LONG, to be traced again with more places, or looks the solution up all the same if `last_chance` is set.
    With HR_GUIDED the first directions follow the light that was found before, and paths weigh accordingly; with
    HR_RESPONSE they also weigh as the readings' responses say. */
 __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
@@ -114,8 +85,8 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
                           __global uint *path_row,              /* (n_paths,) row, or an outcome                 */
                           __global float *path_weight,          /* (n_paths,) 1 over the density of its start    */
                           const uint n_samples, const uint n_emitters, const uint occlusion, const uint lookup,
-                          const float near_factor, const float first_near_factor, const uint last_chance, const uint seed, const float scale,
-                          const uint n_items)
+                          const float near_factor, const float first_near_factor, const uint last_chance,
+                          const uint seed, const float scale, const uint n_items)
 {
     const uint i = get_global_id(0);
     if (i >= n_items)
@@ -161,7 +132,8 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         d = hr_cosine_direction(n, next.x, next.y);
         hit = hr_closest_hit(HR_BVH, hr_offset_origin(y, n, scale), d, INFINITY, hit.patch);
         if (light.near_probability > 0.0f)
-            light.gain += hr_light_on_ray(y, n, d, hit, light, HR_EMITTER, HR_PATCH);
+            light.gain += hr_found_on_ray(y, n, d, hit.patch, hit.t, light.emitter, light.clear, HR_EMITTER, HR_PATCH) /
+                          light.near_probability;
         path_gain[first + lit] = light.gain;
         row = hr_row_of_hit(hit, d, patch_solid, cell_divisions, side_first_cell, cell_row, patch_kind);
         /* Fewer and weaker paths come here a second time: plain random numbers serve them. */

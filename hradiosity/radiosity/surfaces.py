@@ -38,7 +38,7 @@ from hradiosity.space.companion import coarser_rows
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
 from hradiosity.space.shafts import UNKNOWN
-from hradiosity.transport.contrast import side_contrast
+from hradiosity.transport.contrast import lookup_sizes
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import ClosedRows, Exchange, RowHits, build_exchange, trace_rows
@@ -47,9 +47,6 @@ from hradiosity.transport.lamp_choice import lamp_probability
 
 RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
-MOST_CONTRAST = 8.0
-"""Contrast of the received light from which on the solution is looked up there at a path's first hit already: where
-light comes through a gap, the noise of one more ray is worse than one value for a whole element."""
 COMPANION_ROTA = (MESH, "", MESH, EXCHANGE)
 """What the replicates' companions tell about, in turn; these changes are far steadier than the readings themselves."""
 LOST_SHARE = 1e-4
@@ -181,14 +178,11 @@ class SurfaceSolver:
         reflectance: NDArray[np.float32],
         irradiance: NDArray[np.float32],
     ) -> NDArray[np.float32]:
-        """`SurfaceLight.row_size`: below 0 where light comes from few directions, which one more ray mostly misses."""
+        """`SurfaceLight.row_size`."""
         brightness = self.light.brightness
         leaving = np.einsum("rc,c->r", reflectance * irradiance + self._row_glow, brightness)
         arriving = np.einsum("rc,c->r", irradiance, brightness)
-        side = self.elements.cell_side[self.elements.row_cell[self.elements.row_start[:-1]]]
-        contrast = side_contrast(hits, side, area, leaving, arriving)
-        size = np.where(contrast > MOST_CONTRAST, -1.0, 1.0) * np.sqrt(self.elements.area)
-        return np.where(area > 0.0, size, np.inf).astype(np.float32)
+        return lookup_sizes(hits, self.elements, area, leaving, arriving)
 
     def _refine(
         self,

@@ -12,12 +12,10 @@ from hradiosity.space.hierarchy import NONE
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import RowHits
-from hradiosity.transport.lamp_choice import lamp_probability
+from hradiosity.transport.lamp_choice import lamp_probability, light_without_obstacles
 
 LAMP_POINTS, FEW_LAMP_POINTS = 32, 8
 """Points on each element that try the lamps: all of them, or those that may matter among many."""
-BOUND_POINTS: Final = 4
-"""Points on each element at which closed forms tell what comes if nothing is in the way."""
 CLEAR_LAMPS: Final = 8
 """Lamps of an element that count by their closed forms, at most; as in ``cl/kernels/image.cl``."""
 LEAST_DOUBT: Final = 0.02
@@ -42,7 +40,7 @@ def lamp_tables(
     free = np.zeros((n_rows, n_emitters), np.float32)
     seen = np.ones(free.shape)
     if free.size:
-        free = _without_obstacles(scene, elements)
+        free = light_without_obstacles(scene, elements)
     if free.size and scene.occlusion:
         chance = lamp_probability(scene, elements, brightness[:, None].astype(np.float32), None)
         points = LAMP_POINTS if chance is None else FEW_LAMP_POINTS
@@ -56,23 +54,6 @@ def lamp_tables(
         "lamp_clear": device.upload(is_clear.astype(np.uint8)),
         "clear_lamps": device.upload(listed),
     }
-
-
-def _without_obstacles(scene: DeviceScene, elements: DeviceElements) -> NDArray[np.float32]:
-    """(n_rows, n_emitters) irradiance for unit emission if nothing is in the way."""
-    n_rows, n_emitters = len(elements.elements), scene.n_emitters
-    clear = scene.device.empty((n_rows, n_emitters), np.float32)
-    scene.device.kernel("direct", "bound_rows")(
-        n_rows * n_emitters,
-        **scene.geometry,
-        **elements.cells,
-        **scene.emitters,
-        clear=clear,
-        n_points=BOUND_POINTS,
-        n_emitters=n_emitters,
-    )
-    found: NDArray[np.float32] = scene.device.fetch(clear)
-    return found
 
 
 def seen_shares(direct: NDArray[np.floating], free: NDArray[np.floating]) -> NDArray[np.float64]:

@@ -13,14 +13,14 @@ from hradiosity.device.device import DeviceArray
 from hradiosity.metrics.colorimetric import xyz_weights
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Scene, View
-from hradiosity.radiosity.surfaces import MOST_CONTRAST
+from hradiosity.radiosity.scene_light import EQUAL_ENERGY_WEIGHT
 from hradiosity.show.image_guide import row_guides, rows_seen
 from hradiosity.show.image_lamps import lamp_tables
 from hradiosity.solution import Solution
 from hradiosity.space.hierarchy import NONE
-from hradiosity.transport.contrast import side_contrast
+from hradiosity.transport.contrast import lookup_sizes
 from hradiosity.transport.device_scene import DeviceScene, upload_elements
-from hradiosity.transport.exchange import RowHits, trace_rows
+from hradiosity.transport.exchange import trace_rows
 from hradiosity.transport.glow import glow_of, sampled_scene
 
 ROW_RAYS: Final = 128
@@ -67,7 +67,9 @@ def image_light(solution: Solution, on_device: DeviceScene, views: Sequence[View
     hits = trace_rows(on_device, elements, ROW_RAYS, _seed(solution))
     emission = _emission(sampled_scene(scene, plan.weak_emitters))
     sky = np.zeros(len(scene.bands)) if scene.sky is None else np.pi * scene.sky.radiance
-    weight = luminous_weights(scene.bands) + 1.0
+    weight = luminous_weights(scene.bands) + EQUAL_ENERGY_WEIGHT
+    exposed = solution.elements.area * solution.surfaces.exposed
+    arriving = solution.surfaces.irradiance @ weight
     seen = rows_seen(solution, on_device.bvh, views)
     cells = {name: elements.cells[name] for name in ("cell_divisions", "side_first_cell", "cell_row")}
     arguments: dict[str, DeviceArray | int | float] = {
@@ -75,7 +77,7 @@ def image_light(solution: Solution, on_device: DeviceScene, views: Sequence[View
         "patch_solid": on_device.solid,
         "side_paint": elements.side_paint,
         "side_lamp": device.upload(_side_lamps(scene)),
-        "row_size": device.upload(_lookup_size(solution, hits, first_side, reflected)),
+        "row_size": device.upload(lookup_sizes(hits, solution.elements, exposed, reflected @ weight, arriving)),
         **lamp_tables(on_device, elements, hits, emission @ weight, _seed(solution)),
         **row_guides(on_device, elements, seen, reflected @ weight, float(sky @ weight), _seed(solution)),
         "reflectance": device.upload(padded(own)),
@@ -129,17 +131,6 @@ def _side_lamps(scene: Scene) -> NDArray[np.uint32]:
 def _colour_weights(scene: Scene) -> NDArray[np.float64]:
     """(4, n_bands) X, Y, Z of the radiance of a diffuse surface for its exitance, and illuminance for irradiance."""
     return np.vstack([xyz_weights(scene.bands).T / np.pi, luminous_weights(scene.bands)])
-
-
-def _lookup_size(
-    solution: Solution, hits: RowHits, side: NDArray[np.integer], reflected: NDArray[np.float64]
-) -> NDArray[np.float32]:
-    """(n_rows,) edge of each element [m], as `hradiosity.readings.surface_light.SurfaceLight.row_size`."""
-    weight = luminous_weights(solution.scene.bands) + 1.0
-    area = solution.elements.area * solution.surfaces.exposed
-    contrast = side_contrast(hits, side, area, reflected @ weight, solution.surfaces.irradiance @ weight)
-    size = np.where(contrast > MOST_CONTRAST, -1.0, 1.0) * np.sqrt(solution.elements.area)
-    return np.where(area > 0.0, size, np.inf).astype(np.float32)
 
 
 def _seed(solution: Solution) -> int:

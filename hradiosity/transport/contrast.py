@@ -5,8 +5,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.space.hierarchy import COVERED, UNLIT
+from hradiosity.space.hierarchy import COVERED, UNLIT, Elements
 from hradiosity.transport.exchange import RowHits
+
+MOST_CONTRAST = 8.0
+"""Contrast of the received light from which on the solution is looked up there at a path's first hit already: where
+light comes through a gap, the noise of one more ray is worse than one value for a whole element."""
 
 
 def side_contrast(
@@ -44,3 +48,21 @@ def side_contrast(
     contrast: NDArray[np.float64] = np.divide(variance, received**2, out=np.zeros(len(total)), where=received > 0.0)
     of_rows: NDArray[np.float64] = contrast[label]
     return of_rows
+
+
+def lookup_sizes(
+    hits: RowHits,
+    elements: Elements,
+    area: NDArray[np.float64],
+    leaving: NDArray[np.float64],
+    arriving: NDArray[np.float64],
+) -> NDArray[np.float32]:
+    """(n_rows,) edge of each element [m] as paths take it, see `hradiosity.readings.surface_light.SurfaceLight`.
+
+    Below 0 where light comes from so few directions that one more ray mostly misses it, infinite where all is covered.
+    Parameters are those of `side_contrast`.
+    """
+    side = elements.cell_side[elements.row_cell[elements.row_start[:-1]]]
+    contrast = side_contrast(hits, side, area, leaving, arriving)
+    size = np.where(contrast > MOST_CONTRAST, -1.0, 1.0) * np.sqrt(elements.area)
+    return np.where(area > 0.0, size, np.inf).astype(np.float32)

@@ -35,6 +35,18 @@ def lamp_probability(
     n_rows, n_emitters = len(elements.elements), scene.n_emitters
     if n_emitters <= 2 * TRIED or not scene.occlusion or n_rows == 0:
         return None
+    light = light_without_obstacles(scene, elements) * emission.mean(axis=1)
+    if sight is not None:
+        light[sight == HIDDEN] = 0.0
+    total = light.sum(axis=1, keepdims=True)
+    share = np.divide(light, total, out=np.ones_like(light), where=total > 0.0)
+    chance: NDArray[np.float32] = np.clip(TRIED * share, LEAST_PROBABILITY, 1.0).astype(np.float32)
+    return chance
+
+
+def light_without_obstacles(scene: DeviceScene, elements: DeviceElements) -> NDArray[np.float32]:
+    """(n_rows, n_emitters) irradiance for unit emission if nothing is in the way."""
+    n_rows, n_emitters = len(elements.elements), scene.n_emitters
     clear = scene.device.empty((n_rows, n_emitters), np.float32)
     scene.device.kernel("direct", "bound_rows")(
         n_rows * n_emitters,
@@ -45,10 +57,5 @@ def lamp_probability(
         n_points=BOUND_POINTS,
         n_emitters=n_emitters,
     )
-    light = scene.device.fetch(clear) * emission.mean(axis=1)
-    if sight is not None:
-        light[sight == HIDDEN] = 0.0
-    total = light.sum(axis=1, keepdims=True)
-    share = np.divide(light, total, out=np.ones_like(light), where=total > 0.0)
-    chance: NDArray[np.float32] = np.clip(TRIED * share, LEAST_PROBABILITY, 1.0).astype(np.float32)
-    return chance
+    found: NDArray[np.float32] = scene.device.fetch(clear)
+    return found

@@ -1,36 +1,11 @@
 """A small room for the tests of the program."""
 
-ROOM = """
+from small_room import SHELL
+
+ROOM = f"""
 [scene]
 title = "Small room"
-unit = "m"
-bands = { first = 400, last = 720, step = 40 }
-
-[materials.wall]
-reflectance = { steps = [[380, 560, 0.3], [560, 740, 0.6]] }
-
-[materials.floor]
-reflectance = 0.2
-
-[luminaires.lamp]
-spectrum = { illuminant = "A" }
-luminous_flux_lm = 1000
-
-[[box]]
-name = "room"
-corner = [0.0, 0.0, 0.0]
-size = [3.0, 2.0, 2.5]
-inside = true
-faces = { sides = "wall", top = "wall", bottom = "floor" }
-
-[[rectangle]]
-name = "lamp"
-corner = [1.0, 0.5, 2.4]
-edge_u = [0.0, 1.0, 0.0]
-edge_v = [1.0, 0.0, 0.0]
-material = "wall"
-luminaire = "lamp"
-
+{SHELL}
 [[sensor]]
 name = "desk, left"
 kind = "grid"
@@ -50,3 +25,12 @@ QUICK = (
     *("--gather-samples", "64", "--light-samples", "16", "--no-pictures"),
 )
 """Settings with which it takes a moment."""
+VIEW = """
+[[view]]
+name = "door"
+position = [0.2, 0.2, 1.6]
+target = [2.0, 1.5, 1.0]
+size = [40, 30]
+"""
+PICTURES = tuple(word for word in QUICK if word != "--no-pictures")
+"""The same with pictures."""

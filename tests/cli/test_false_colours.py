@@ -5,19 +5,10 @@ import json
 import numpy as np
 import OpenEXR
 import pytest
-from cli_room import QUICK
+from cli_room import PICTURES, VIEW
 from PIL import Image
 
 from hradiosity.show.colormap import colours_of
-
-VIEW = """
-[[view]]
-name = "door"
-position = [0.2, 0.2, 1.6]
-target = [2.0, 1.5, 1.0]
-size = [40, 30]
-"""
-PICTURES = tuple(word for word in QUICK if word != "--no-pictures")
 
 
 @pytest.fixture

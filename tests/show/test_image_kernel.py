@@ -30,7 +30,7 @@ def test_pixels_lie_along_a_shuffled_z_curve(device, seed):
 def test_the_drawn_entry_is_the_first_above(device):
     sums = np.array([0.1, 0.1, 0.4, 0.9, 1.0], np.float32)
     numbers = np.linspace(0, 0.999, 5).astype(np.float32)
-    found = device_call(device, "hr_image.h", "hr_drawn_entry(in_sums, 5u, x)", "uint", sums=sums, x=numbers)
+    found = device_call(device, "hr_sampling.h", "hr_draw(in_sums, 5u, x)", "uint", sums=sums, x=numbers)
     np.testing.assert_array_equal(found, np.searchsorted(sums, numbers, side="right"))
 
 

@@ -1,38 +1,15 @@
 """A small room, solved and written to disk, for the tests of the window."""
 
+from small_room import SHELL
+
 from hradiosity.options import Options
 
-ROOM = """
+ROOM = f"""
 [scene]
 title = "Window <room>"
-unit = "m"
-bands = { first = 400, last = 720, step = 40 }
-
-[materials.wall]
-reflectance = { steps = [[380, 560, 0.3], [560, 740, 0.6]] }
-[materials.floor]
-reflectance = 0.2
+{SHELL}
 [materials.screen]
 reflectance = 0.5
-
-[luminaires.lamp]
-spectrum = { illuminant = "A" }
-luminous_flux_lm = 1000
-
-[[box]]
-name = "room"
-corner = [0.0, 0.0, 0.0]
-size = [3.0, 2.0, 2.5]
-inside = true
-faces = { sides = "wall", top = "wall", bottom = "floor" }
-
-[[rectangle]]
-name = "lamp"
-corner = [1.0, 0.5, 2.4]
-edge_u = [0.0, 1.0, 0.0]
-edge_v = [1.0, 0.0, 0.0]
-material = "wall"
-luminaire = "lamp"
 
 [[polygon]]
 name = "sail"
