@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.geometry import NONE
-from hradiosity.model.lamps import lamp_flux
+from hradiosity.model.lamps import lamp_exitances, lamp_flux, side_luminaires
 from hradiosity.model.scene import Scene
 from hradiosity.space.cell_lookup import CELL_CORNERS, cell_frames
 from hradiosity.space.hierarchy import Elements
@@ -46,7 +46,7 @@ def write_drawing(group: h5py.Group, scene: Scene, elements: Elements) -> None:
     for name, array in arrays.items():
         own.create_dataset(name, data=array, **compression(array))
     n_bands, at_points = len(scene.bands), scene.emitters.patch == NONE
-    own["luminaire_exitance"] = luminaire_exitances(scene)
+    own["luminaire_exitance"] = lamp_exitances(scene)
     own["point_position"] = scene.emitters.position[at_points]
     own["point_luminaire"] = scene.emitters.luminaire[at_points]
     own["lamp_flux"] = lamp_flux(scene)
@@ -59,30 +59,11 @@ def write_drawing(group: h5py.Group, scene: Scene, elements: Elements) -> None:
     own["view_names"] = np.array([view.name.encode() for view in scene.views] or [b""])
 
 
-def side_luminaires(scene: Scene) -> NDArray[np.int32]:
-    """(2 n_patches,) luminaire that each side shines as, NONE where it does not."""
-    lamps = scene.emitters
-    of_side = np.full(2 * len(scene.patches), NONE, np.int32)
-    for patch, luminaire in zip(lamps.patch, lamps.luminaire, strict=True):
-        if patch != NONE:
-            of_side[2 * patch] = luminaire
-            if scene.luminaires[luminaire].two_sided:
-                of_side[2 * patch + 1] = luminaire
-    return of_side
-
-
 def seen_places(place: NDArray[np.int64], side: NDArray[np.int64], is_triangle: NDArray[np.bool_]) -> NDArray[np.int64]:
     """(n, 4, 2) places of corners in the order of `place_corners`: turned round on backs."""
     turned = np.where(is_triangle[:, None, None], place[:, [2, 1, 0, 0]], place[:, ::-1])
     seen: NDArray[np.int64] = np.where((side % 2 == 1)[:, None, None], turned, place)
     return seen
-
-
-def luminaire_exitances(scene: Scene) -> NDArray[np.float64]:
-    """(n_luminaires, n_bands) exitance [W m⁻² per band]; 0 for point sources."""
-    dark = np.zeros(len(scene.bands))
-    exitance = [lamp.exitance if len(lamp.exitance) else dark for lamp in scene.luminaires]
-    return np.array(exitance, np.float64).reshape(len(exitance), len(scene.bands))
 
 
 def compression(array: NDArray[Any]) -> dict[str, Any]:

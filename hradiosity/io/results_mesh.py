@@ -12,8 +12,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.io.results_drawing import compression, luminaire_exitances, side_luminaires, write_drawing
+from hradiosity.io.results_drawing import compression, write_drawing
 from hradiosity.metrics.photometric import illuminance, luminance, luminous_exitance
+from hradiosity.model.lamps import lamp_exitances, side_luminaires
 from hradiosity.model.scene import Scene
 from hradiosity.solution import Solution
 from hradiosity.space.cells import cell_corners
@@ -124,7 +125,7 @@ def cell_numbers(scene: Scene, elements: Elements) -> dict[str, NDArray[Any]]:
 def _emitted(solution: Solution) -> NDArray[np.float64]:
     """(n_cells, n_bands) exitance that the cells emit themselves [W m⁻² per band]."""
     scene = solution.scene
-    exitance = np.concatenate([luminaire_exitances(scene), np.zeros((1, len(scene.bands)))])
+    exitance = np.concatenate([lamp_exitances(scene), np.zeros((1, len(scene.bands)))])
     return exitance[side_luminaires(scene)[solution.elements.cell_side]]
 
 

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.io.drawn_scene import Cells, Drawn, Lamps, SensorPoints, Words
-from hradiosity.io.results_drawing import luminaire_exitances, seen_places, side_luminaires
+from hradiosity.io.results_drawing import seen_places
 from hradiosity.model.geometry import NONE, Patches
-from hradiosity.model.lamps import lamp_flux
+from hradiosity.model.lamps import lamp_exitances, lamp_flux, side_luminaires
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.space.cell_lookup import CELL_CORNERS
 from hradiosity.space.cells import place_corners
@@ -47,7 +47,7 @@ def scene_words(scene: Scene) -> Words:
         reflectance=np.concatenate([scene.reflectance, black]),
         objects=scene.objects,
         luminaires=tuple(lamp.name for lamp in scene.luminaires),
-        exitance=np.concatenate([luminaire_exitances(scene), black]),
+        exitance=np.concatenate([lamp_exitances(scene), black]),
     )
 
 

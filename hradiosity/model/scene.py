@@ -42,6 +42,11 @@ class Luminaire:
     intensity: NDArray[np.float64]
     two_sided: bool = False
 
+    @property
+    def emission(self) -> NDArray[np.float64]:
+        """Exitance, or intensity of a point source."""
+        return self.exitance if len(self.exitance) else self.intensity
+
 
 @dataclass(frozen=True)
 class Emitters:

@@ -118,17 +118,13 @@ def stacked_emission(scene: Scene) -> NDArray[np.float64]:
     """(n_luminaires, (1 + n_variants) · n_bands) exitance or intensity, side by side in the same way."""
     lists = [scene.luminaires, *(variant.luminaires for variant in scene.variants)]
     shape = (len(scene.luminaires), len(scene.bands))
-    return np.concatenate([np.array([_light(lamp) for lamp in some]).reshape(shape) for some in lists], axis=1)
+    return np.concatenate([np.array([lamp.emission for lamp in some]).reshape(shape) for some in lists], axis=1)
 
 
 def stacked_sky(scene: Scene) -> NDArray[np.float64]:
     """((1 + n_variants) · n_bands,) π · radiance of the sky, the same in all; 0 without a sky."""
     one = np.zeros(len(scene.bands)) if scene.sky is None else np.pi * scene.sky.radiance
     return np.tile(one, 1 + len(scene.variants))
-
-
-def _light(lamp: Luminaire) -> NDArray[np.float64]:
-    return lamp.exitance if len(lamp.exitance) else lamp.intensity
 
 
 def _check_names(kind: str, given: Mapping[str, object], known: list[str], problems: list[str]) -> None:
@@ -152,7 +148,7 @@ def _repainted(
 
 
 def _relit(lamp: Luminaire, wanted: Factor | ArrayLike, problems: list[str]) -> Luminaire:
-    before = _light(lamp)
+    before = lamp.emission
     if isinstance(wanted, Factor):
         values = wanted.value * before
     else:

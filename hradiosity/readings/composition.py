@@ -9,7 +9,8 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.model.scene import Looks, Luminaire, Material, Scene, Sensor
+from hradiosity.model.lamps import lamp_exitances
+from hradiosity.model.scene import Looks, Material, Scene, Sensor
 from hradiosity.model.sensor_kinds import stacked_responses
 
 _Number = TypeVar("_Number", np.float64, np.int64)
@@ -120,7 +121,7 @@ def _radiances(planes: slice, looks: Looks, count: int, scene: Scene) -> _Lookin
     bands = len(scene.bands)
     black = np.zeros((1, bands))  # the last row, which NONE, −1, takes
     paint = np.concatenate([_rows(scene.materials, bands), black])[looks.material]
-    light = np.concatenate([_exitances(scene.luminaires, bands), black])[looks.luminaire]
+    light = np.concatenate([lamp_exitances(scene), black])[looks.luminaire]
     own = light / np.pi
     if scene.sky is not None:
         own = np.where(looks.sky[:, None], scene.sky.radiance, own)
@@ -129,8 +130,3 @@ def _radiances(planes: slice, looks: Looks, count: int, scene: Scene) -> _Lookin
 
 def _rows(materials: Sequence[Material], bands: int) -> NDArray[np.float64]:
     return np.array([material.reflectance for material in materials]).reshape(len(materials), bands)
-
-
-def _exitances(luminaires: Sequence[Luminaire], bands: int) -> NDArray[np.float64]:
-    dark = np.zeros(bands)
-    return np.array([lamp.exitance if len(lamp.exitance) else dark for lamp in luminaires]).reshape(-1, bands)

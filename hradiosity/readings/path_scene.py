@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from hradiosity.device.device import DeviceArray
 from hradiosity.model.geometry import NONE
+from hradiosity.model.lamps import lamp_emissions
 from hradiosity.model.scene import Scene
 from hradiosity.transport.device_scene import DeviceScene
 
@@ -71,9 +72,7 @@ def prepare_referee(on_device: DeviceScene, scene: Scene) -> RefereeScene:
 
 def _emission(scene: Scene) -> NDArray[np.float64]:
     """(n_emitters, n_bands) exitance [W m⁻²] or intensity [W sr⁻¹]."""
-    lamps = [lamp.exitance if len(lamp.exitance) else lamp.intensity for lamp in scene.luminaires]
-    table = np.array(lamps, np.float64).reshape(len(lamps), len(scene.bands))
-    return table[scene.emitters.luminaire]
+    return lamp_emissions(scene)[scene.emitters.luminaire]
 
 
 def _relative_power(scene: Scene) -> NDArray[np.float64]:

@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hradiosity.device import Device
 from hradiosity.metrics.colorimetric import encode_srgb, xyz_to_linear_srgb, xyz_weights
 from hradiosity.model.geometry import BACK, NONE
+from hradiosity.model.lamps import lamp_emissions
 from hradiosity.model.scene import Scene, View
 from hradiosity.show.camera import ABOVE, ViewHits, trace_view
 from hradiosity.show.channels import emitted_xyz, paint_colours, reflected_channels
@@ -144,8 +145,7 @@ def _materials(scene: Scene, side: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def _irradiance(scene: Scene, bvh: Bvh, samples: _Samples, material: NDArray[np.int64]) -> NDArray[np.float64]:
     """(n, n_bands) direct light and the guess of the rest [W m⁻² per band]."""
-    sent = np.array([lamp.exitance if len(lamp.exitance) else lamp.intensity for lamp in scene.luminaires])
-    sent = sent.reshape(-1, len(scene.bands))
+    sent = lamp_emissions(scene)
     power = _power(scene, sent)
     weak = np.ones(len(power), np.bool_)
     weak[np.argsort(-power.sum(axis=1), kind="stable")[:MOST_LAMPS]] = False

@@ -12,12 +12,12 @@ from numpy.typing import NDArray
 from hradiosity.device.device import DeviceArray
 from hradiosity.metrics.colorimetric import xyz_weights
 from hradiosity.metrics.photometric import luminous_weights
+from hradiosity.model.lamps import lamp_emissions, lamp_exitances, side_luminaires
 from hradiosity.model.scene import Scene, View
 from hradiosity.radiosity.scene_light import EQUAL_ENERGY_WEIGHT
 from hradiosity.show.image_guide import row_guides, rows_seen
 from hradiosity.show.image_lamps import lamp_tables
 from hradiosity.solution import Solution
-from hradiosity.space.hierarchy import NONE
 from hradiosity.transport.contrast import lookup_sizes
 from hradiosity.transport.device_scene import DeviceScene, upload_elements
 from hradiosity.transport.exchange import trace_rows
@@ -65,7 +65,7 @@ def image_light(solution: Solution, on_device: DeviceScene, views: Sequence[View
     row_paint = glow.paint.ravel()[first_side]
     reflected = own[row_paint] * solution.surfaces.irradiance * plan.interreflection + shining[row_paint]
     hits = trace_rows(on_device, elements, ROW_RAYS, _seed(solution))
-    emission = _emission(sampled_scene(scene, plan.weak_emitters))
+    emission = lamp_emissions(scene)[sampled_scene(scene, plan.weak_emitters).emitters.luminaire]
     sky = np.zeros(len(scene.bands)) if scene.sky is None else np.pi * scene.sky.radiance
     weight = luminous_weights(scene.bands) + EQUAL_ENERGY_WEIGHT
     exposed = solution.elements.area * solution.surfaces.exposed
@@ -76,13 +76,13 @@ def image_light(solution: Solution, on_device: DeviceScene, views: Sequence[View
         **cells,
         "patch_solid": on_device.solid,
         "side_paint": elements.side_paint,
-        "side_lamp": device.upload(_side_lamps(scene)),
+        "side_lamp": device.upload(side_luminaires(scene).astype(np.uint32)),
         "row_size": device.upload(lookup_sizes(hits, solution.elements, exposed, reflected @ weight, arriving)),
         **lamp_tables(on_device, elements, hits, emission @ weight, _seed(solution)),
         **row_guides(on_device, elements, seen, reflected @ weight, float(sky @ weight), _seed(solution)),
         "reflectance": device.upload(padded(own)),
         "glow": device.upload(padded(shining)),
-        "shown": device.upload(padded(_shown(scene))),
+        "shown": device.upload(padded(lamp_exitances(scene))),
         "emission": device.upload(padded(emission)),
         "reflected": device.upload(padded(reflected)),
         "sky": device.upload(padded(sky)),
@@ -101,31 +101,6 @@ def padded(bands: NDArray[np.floating]) -> NDArray[np.float32]:
     out = np.zeros((*rows.shape[:-1], -(-rows.shape[-1] // 8) * 8), np.float32)
     out[..., : rows.shape[-1]] = rows
     return out
-
-
-def _emission(scene: Scene) -> NDArray[np.float64]:
-    """(n_emitters, n_bands) exitance [W m⁻²] or intensity [W sr⁻¹]."""
-    unit = [lamp.exitance if len(lamp.exitance) else lamp.intensity for lamp in scene.luminaires]
-    table = np.array(unit, np.float64).reshape(len(unit), len(scene.bands))
-    return table[scene.emitters.luminaire]
-
-
-def _shown(scene: Scene) -> NDArray[np.float64]:
-    """(n_luminaires, n_bands) exitance [W m⁻²]; 0 for point sources, which no ray meets."""
-    black = np.zeros(len(scene.bands))
-    exitance = [lamp.exitance if len(lamp.exitance) else black for lamp in scene.luminaires]
-    return np.array(exitance, np.float64).reshape(len(exitance), len(scene.bands))
-
-
-def _side_lamps(scene: Scene) -> NDArray[np.uint32]:
-    """(n_patches, 2) luminaire that each side shines as, NONE for those that do not."""
-    lamps = scene.emitters
-    side_lamp = np.full((len(scene.patches), 2), NONE, np.uint32)
-    flat = np.flatnonzero(lamps.patch >= 0)
-    side_lamp[lamps.patch[flat], 0] = lamps.luminaire[flat]
-    both = flat[np.array([lamp.two_sided for lamp in scene.luminaires], bool)[lamps.luminaire[flat]]]
-    side_lamp[lamps.patch[both], 1] = lamps.luminaire[both]
-    return side_lamp
 
 
 def _colour_weights(scene: Scene) -> NDArray[np.float64]:

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.model.lamps import lamp_emissions
 from hradiosity.model.scene import Scene
 from hradiosity.show.channels import CHANNELS, emitted_xyz, reflected_channels
 from hradiosity.solution import Solution
@@ -77,9 +78,8 @@ def shadow_channels(picture: PictureScene, shadow: ShadowLight) -> NDArray[np.fl
     """(n_vertices, 4) channels of the direct light at the vertices of leaves."""
     scene = picture.scene
     n_materials, n_lamps = len(scene.materials) + 1, len(scene.luminaires)
-    unit = np.array([lamp.exitance if len(lamp.exitance) else lamp.intensity for lamp in scene.luminaires])
     material = np.repeat(np.arange(n_materials), n_lamps)
-    spectra = np.tile(unit.reshape(n_lamps, len(scene.bands)), (n_materials, 1))
+    spectra = np.tile(lamp_emissions(scene), (n_materials, 1))
     table = reflected_channels(scene, material, spectra).reshape(n_materials, n_lamps, CHANNELS)
     of_vertex = picture.elements.side_material.ravel()[shadow.vertex_side]
     channels: NDArray[np.float32] = np.einsum("vl,vlc->vc", shadow.per_luminaire, table[of_vertex])

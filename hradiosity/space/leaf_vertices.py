@@ -16,7 +16,6 @@ _EDGE_STEPS: Final = 1 << 30
 FLAT: Final = 1e-6
 """Two neighbours with normals closer than this (1 - cosine) are one surface."""
 
-_CORNER_UV: Final = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.int64)
 _NO_EDGE: Final = -1
 
 

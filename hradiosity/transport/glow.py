@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.model.lamps import shining_sides
 from hradiosity.model.scene import Scene
 from hradiosity.model.variants import stacked_emission, stacked_reflectance
 from hradiosity.space.hierarchy import side_materials
@@ -48,7 +49,7 @@ def glow_of(scene: Scene, columns: SpectralColumns, weak: NDArray[np.bool_]) -> 
     n_materials = len(scene.materials)
     two_sided = np.array([m.two_sided for m in scene.materials], bool)
     paint = side_materials(scene.patches, two_sided)
-    emitter, side = _shining_sides(scene, weak)
+    emitter, side = shining_sides(scene, weak)
     luminaire = scene.emitters.luminaire[emitter]
     kinds, kind = np.unique(np.stack([paint.ravel()[side], luminaire]), axis=1, return_inverse=True)
     paint.ravel()[side] = n_materials + 1 + kind.ravel()
@@ -78,7 +79,7 @@ def weak_emitters(scene: Scene, lit: LitSides) -> NDArray[np.bool_]:
     lamps, patches = scene.emitters, scene.patches
     area_lamp = lamps.patch >= 0
     weak = area_lamp.copy()
-    emitter, side = _shining_sides(scene, area_lamp)
+    emitter, side = shining_sides(scene, area_lamp)
     space, area = lit.space.ravel()[side], patches.area[side // 2]
     sent = stacked_emission(scene)
     exitance = sent[lamps.luminaire[emitter]]
@@ -123,12 +124,3 @@ def _joined(
     joined = np.zeros(len(share), bool)
     joined[order[: fitting[-1] + 1 if len(fitting) else 0]] = True
     return joined
-
-
-def _shining_sides(scene: Scene, chosen: NDArray[np.bool_]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Emitter and 2 · patch + side of each side that a chosen area emitter shines from."""
-    lamps = scene.emitters
-    flat = np.flatnonzero(chosen & (lamps.patch >= 0))
-    front = 2 * lamps.patch[flat].astype(np.int64)
-    both = np.array([lamp.two_sided for lamp in scene.luminaires], bool)[lamps.luminaire[flat]]
-    return np.concatenate([flat, flat[both]]), np.concatenate([front, front[both] + 1])

@@ -39,9 +39,7 @@ class VertexLight:
         self._on_device, self._scene, self._goal, self._options = on_device, scene, goal, options
         lamps = scene.luminaires
         weights = luminous_weights(scene.bands)
-        self._lumens = np.array(
-            [np.einsum("b,b->", lamp.exitance if len(lamp.exitance) else lamp.intensity, weights) for lamp in lamps]
-        ).reshape(len(lamps))
+        self._lumens = np.array([np.einsum("b,b->", lamp.emission, weights) for lamp in lamps]).reshape(len(lamps))
         self._n_samples = options.light_samples or _shadow_rays(len(scene.emitters), options.error)
         self._n_pilot = max(LEAST_PILOT, self._n_samples // PILOT_SHARE)
         self._key = np.zeros(0, np.int64)

@@ -97,7 +97,7 @@ def _lights(
 
     Another spectrum has the amount that the table states: lumens or watts, and as it stands if it is absolute.
     """
-    before = [lamp.exitance if len(lamp.exitance) else lamp.intensity for lamp in kinds]
+    before = [lamp.emission for lamp in kinds]
     if isinstance(form, FactorTable):
         return [form.factor * light for light in before]
     # What is to be said about the scene's own spectrum was said when its luminaires were read.

@@ -71,11 +71,3 @@ class Sheet:
     def pixels(self) -> NDArray[np.uint8]:
         """(height, width, 4) uint8."""
         return np.asarray(self._image).copy()
-
-
-def lines_sheet(lines: tuple[str, ...], ink: Rgba = INK) -> NDArray[np.uint8]:
-    """A few lines, one below the other."""
-    sheet = Sheet(max((text_width(line) for line in lines), default=0) + 16, LINE * len(lines) + 8)
-    for number, line in enumerate(lines):
-        sheet.text(8, 4 + LINE * (number + 0.5), line, ink)
-    return sheet.pixels

@@ -69,7 +69,7 @@ def _guessed(scene: Scene) -> Iterator[Finding]:
 
 
 def _of_lamp(lamp: Luminaire, bands: Bands) -> Iterator[Finding]:
-    power = lamp.exitance if len(lamp.exitance) else lamp.intensity
+    power = lamp.emission
     if not power.any() or len(bands) < 3:
         return
     density = power / bands.width

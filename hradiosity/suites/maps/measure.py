@@ -149,9 +149,7 @@ def _lumens(solution: Solution) -> NDArray[np.float64]:
     """(n_luminaires,) luminous exitance or intensity."""
     weights = luminous_weights(solution.scene.bands)
     lamps = solution.scene.luminaires
-    return np.array(
-        [np.einsum("b,b->", lamp.exitance if len(lamp.exitance) else lamp.intensity, weights) for lamp in lamps]
-    )
+    return np.array([np.einsum("b,b->", lamp.emission, weights) for lamp in lamps])
 
 
 def elements_ratio(few: Sequence[MapOutcome], many: Sequence[MapOutcome], error: float, part: str) -> float:
