@@ -347,7 +347,7 @@ class RadiositySolver:
             light,
             moments.position[chosen],
             moments.normal[chosen],
-            effort.some(chosen),
+            effort if np.array_equal(chosen, np.arange(len(effort.gather))) else effort.some(chosen),
             response=None if response is None else response[chosen],
             rules=self._rules,
             seed=seed,
