@@ -1,8 +1,11 @@
-"""Make ``hradiosity/model/photometry/tables.npz`` from colour-science (BSD-3-Clause) and published formulas.
+"""Make ``hradiosity/model/photometry/tables.npz`` from colour-science (BSD-3-Clause), published formulas and the CIE.
 
-Only needed when a table is added: ``python examples/make_photometry_data.py``, from the root of the checkout.
+Only needed when a table is added: ``python examples/make_photometry_data.py CIE_illum_FLs_1nm.csv``, from the root of
+the checkout. The file is the fluorescent lamps of CIE 015:2018 every 1 nm (doi 10.25039/CIE.DS.54hy6srn, CC BY-SA 4.0),
+which the CIE lets one download.
 """
 
+import sys
 from pathlib import Path
 
 import colour
@@ -16,10 +19,15 @@ ROOT = Path(__file__).resolve().parents[1]
 TARGET = ROOT / "hradiosity" / "model" / "photometry" / "tables.npz"
 WAVELENGTH = np.arange(360.0, 831.0)
 
+FLUORESCENT = (*(f"FL{i}" for i in range(1, 13)), *(f"FL3.{i}" for i in range(1, 16)))
+"""Columns of the CIE's file with values every 1 nm, after the wavelength."""
+
+FLUORESCENT_SUMS = {"FL1": 3416.3131, "FL2": 2968.9113, "FL11": 2968.3194, "FL3.15": 144499.6924}
+"""Sums of some columns as the file's metadata state them."""
+
 ILLUMINANTS = (
     *("C", "D50", "D55", "D65", "D75", "ID50", "ID65"),
-    *(f"FL{i}" for i in range(1, 13)),
-    *(f"FL3.{i}" for i in range(1, 16)),
+    *FLUORESCENT,
     *(f"HP{i}" for i in range(1, 6)),
     *(f"LED-{kind}" for kind in ("B1", "B2", "B3", "B4", "B5", "BH1", "RGB1", "V1", "V2")),
 )
@@ -84,7 +92,20 @@ def illuminant(name: str) -> NDArray[np.float64]:
     return np.stack([table.wavelengths, np.maximum(np.round(table.values, 6), 0.0)])
 
 
-def tables() -> dict[str, NDArray[np.float64]]:
+def fluorescent_every_nm(path: Path) -> dict[str, NDArray[np.float64]]:
+    """(2, 401) wavelength and relative power of the CIE's fluorescent lamps, with their lines where they are."""
+    rows = [line.split(",") for line in path.read_text(encoding="utf-8-sig").splitlines()]
+    values = np.array([[float(cell) for cell in row] for row in rows if len(row) == 28 and row[0].strip().isdigit()])
+    if values.shape != (401, 28):
+        raise ValueError(f"{path} has {values.shape} numbers, not 401 rows of 28")
+    lamps = dict(zip(FLUORESCENT, values.T[1:], strict=True))
+    for name, total in FLUORESCENT_SUMS.items():
+        if abs(lamps[name].sum() / total - 1.0) > 1e-6:
+            raise ValueError(f"the values of {name} add up to {lamps[name].sum()}, not to {total}")
+    return {name: np.stack([values[:, 0], np.round(column, 4)]) for name, column in lamps.items()}
+
+
+def tables(fluorescent: Path) -> dict[str, NDArray[np.float64]]:
     """Every table by name; spectra are (2, m) rows of wavelength and value."""
     found = {"wavelength": WAVELENGTH, "alpha_opic": alpha_opic()}
     efficiency = colour.SDS_LEFS["CIE 1924 Photopic Standard Observer"]
@@ -96,6 +117,8 @@ def tables() -> dict[str, NDArray[np.float64]]:
     found["illuminant/E"] = np.array([[300.0, 830.0], [100.0, 100.0]])
     for name in ILLUMINANTS:
         found[f"illuminant/{name}"] = illuminant(name)
+    for name, lamp in fluorescent_every_nm(fluorescent).items():
+        found[f"fine/{name}"] = lamp
     for name, table in colour.SDS_COLOURCHECKERS["ISO 17321-1"].items():
         found[f"colorchecker/{name.split(' (')[0]}"] = np.stack([table.wavelengths, table.values])
     for name in ("white", "red", "green"):
@@ -105,6 +128,8 @@ def tables() -> dict[str, NDArray[np.float64]]:
 
 
 if __name__ == "__main__":
-    made = tables()
+    if len(sys.argv) != 2:
+        sys.exit("say where the CIE's fluorescent lamps are: make_photometry_data.py CIE_illum_FLs_1nm.csv")
+    made = tables(Path(sys.argv[1]))
     np.savez_compressed(TARGET, **made)
     print(f"{len(made)} tables, {TARGET.stat().st_size} bytes")

@@ -32,7 +32,8 @@ def even_light(illuminance: NDArray[np.float64]) -> EvenLight:
     illuminance : (n,) float64 [lx]
         n ≥ 1.
     """
-    mean, lowest, highest = float(illuminance.mean()), float(illuminance.min()), float(illuminance.max())
+    lowest, highest = float(illuminance.min()), float(illuminance.max())
+    mean = float(np.clip(illuminance.mean(), lowest, highest))  # rounded, a sum of equal values may lie beside them
     return EvenLight(
         mean,
         lowest,

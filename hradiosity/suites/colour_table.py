@@ -60,7 +60,7 @@ def table(bands: Bands) -> list[Line]:
 def _lights(values: Mapping[str, Any], bands: Bands) -> Iterator[tuple[str, NDArray[np.float64], list[Any]]]:
     """Names, (1, n_bands) powers, and what each of the other programs says of the light."""
     for name, given in values["illuminants"].items():
-        yield name, band_integral(photometry.illuminant(name), bands, "hold").value[None], list(given.values())
+        yield name, band_integral(photometry.illuminant(name, bands), bands, "hold").value[None], list(given.values())
     for name, given in values["analytic_spectra"].items():
         if name.startswith("Planck"):
             spectrum = photometry.blackbody(float(name.removeprefix("Planck")))
@@ -99,7 +99,7 @@ def seconds_of_many(bands: Bands, *, full: bool, count: int = MANY) -> float:
     """CPU seconds that the numbers of so many spectra take, kernels of numpy warm."""
     rng = np.random.default_rng(0)
     names = ("A", "D65", "LED-B3", "FL11")
-    basis = np.concatenate([band_integral(photometry.illuminant(n), bands, "hold").value[None] for n in names])
+    basis = np.concatenate([band_integral(photometry.illuminant(n, bands), bands, "hold").value[None] for n in names])
     power = np.einsum("nk,kb->nb", rng.uniform(0.1, 1.0, (count, len(names))), basis)
     numbers = DerivedNumbers(bands, full=full)
     numbers(power[:64])

@@ -10,11 +10,13 @@ EXPECTED = colour_values()
 TOLERANCE = EXPECTED["tolerances"]
 USUAL = Bands.uniform()
 FINE = Bands.uniform(361, 829, 2)
+EVERY_NM = Bands.uniform(380, 780, 1)
 
 
 def power_of(name, bands=USUAL):
     """(1, n_bands) of an illuminant or, as ``Planck2700``, of a black body."""
-    spectrum = photometry.blackbody(float(name[6:])) if name.startswith("Planck") else photometry.illuminant(name)
+    planck = name.startswith("Planck")
+    spectrum = photometry.blackbody(float(name[6:])) if planck else photometry.illuminant(name, bands)
     return band_integral(spectrum, bands, "hold").value[None]
 
 

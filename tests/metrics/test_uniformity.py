@@ -15,6 +15,10 @@ def test_by_hand():
     assert found.diversity == pytest.approx(0.25)
 
 
+def test_even_light_is_even_to_the_last_bit():
+    assert even_light(np.full(3, 349525.36393513705)).uniformity == 1.0
+
+
 @given(st.lists(st.floats(0.0, 1e6), min_size=1, max_size=50), st.floats(1e-3, 1e3))
 def test_ratios_have_bounds_and_no_unit(lux, factor):
     found, scaled = even_light(np.array(lux)), even_light(factor * np.array(lux))

@@ -3,6 +3,7 @@ import pytest
 
 from hradiosity.constants import MAXIMUM_LUMINOUS_EFFICACY
 from hradiosity.model import photometry
+from hradiosity.model.spectrum import Bands
 from hradiosity.suites.validation.data import colour_values
 
 EXPECTED = colour_values()
@@ -55,6 +56,18 @@ def test_black_body_follows_wien_and_stefan_boltzmann():
     for temperature in (0, -3, np.nan, 1e6):
         with pytest.raises(ValueError, match="temperature"):
             photometry.blackbody(temperature)
+
+
+def test_lamps_have_their_lines_where_they_are_in_narrow_bands_only():
+    narrow, usual = (Bands.uniform(380, 780, step) for step in (1, 5))
+    fine = photometry.illuminant("FL2", narrow)
+    assert fine.value.sum() == pytest.approx(2968.9113, rel=1e-6)  # as the CIE states
+    around = (fine.wavelength > 430) & (fine.wavelength < 442)
+    line = fine.value[around] - fine.value[around].min()
+    assert (line * fine.wavelength[around]).sum() / line.sum() == pytest.approx(435.83, abs=0.15)
+    for lamp in (photometry.illuminant("FL2"), photometry.illuminant("FL2", usual)):
+        assert lamp.value.max() < 0.5 * fine.value.max()
+    assert photometry.illuminant("D65", narrow).value.tolist() == photometry.illuminant("D65").value.tolist()
 
 
 def test_every_table_can_be_had_by_name():

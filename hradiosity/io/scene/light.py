@@ -43,7 +43,7 @@ class Shape:
 
 def light_shape(form: LightSpectrum, bands: Bands, location: Location, report: Report) -> Shape:
     """Power in each band; a fault in the report, and equal power, when the spectrum can't be had."""
-    found = _spectrum(form, location, report)
+    found = _spectrum(form, bands, location, report)
     if found is None:
         return _on_bands(Spectrum.constant(1.0), bands, "hold")
     spectrum = _with_half_steps(found)
@@ -61,7 +61,7 @@ def light_shape(form: LightSpectrum, bands: Bands, location: Location, report: R
     return shape
 
 
-def _spectrum(form: LightSpectrum, location: Location, report: Report) -> Spectrum | None:
+def _spectrum(form: LightSpectrum, bands: Bands, location: Location, report: Report) -> Spectrum | None:
     if isinstance(form, LightFile):
         path = report.find_file(form.file, location)
         if path is None:
@@ -73,7 +73,7 @@ def _spectrum(form: LightSpectrum, location: Location, report: Report) -> Spectr
             return None
     try:
         if isinstance(form, SpectrumIlluminant):
-            return photometry.illuminant(form.illuminant)
+            return photometry.illuminant(form.illuminant, bands)
         if isinstance(form, SpectrumBlackbody):
             return photometry.blackbody(form.blackbody_K)
     except ValueError as error:

@@ -13,10 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.constants import PLANCK_C1L, PLANCK_C2
-from hradiosity.model.spectrum import Spectrum
+from hradiosity.model.spectrum import Bands, Spectrum
 
 ALPHA_OPIC_NAMES: Final = ("s-cone-opic", "m-cone-opic", "l-cone-opic", "rhodopic", "melanopic")
 """Columns of `alpha_opic`, in the order of CIE S 026."""
+NARROW: Final = 2.0 + 1e-9
+"""Widest band [nm] for which lamps come with their lines where they are."""
 
 
 @cache
@@ -95,15 +97,28 @@ def illuminant_names() -> tuple[str, ...]:
     return _names("illuminant/")
 
 
-def illuminant(name: str) -> Spectrum:
+def illuminant(name: str, bands: Bands | None = None) -> Spectrum:
     """Relative spectral power per nm of a CIE illuminant, in the scale of its table.
+
+    Fluorescent lamps have two tables in CIE 015:2018. The usual one, every 5 nm, shares a line between the two nearest
+    values, so that sums over bands of about 5 nm come out right; the other, every 1 nm, has the lines where they are,
+    which serves narrow bands only: in bands of 5 nm a line would move to the middle of its band.
+
+    Parameters
+    ----------
+    name : str
+        One of `illuminant_names`.
+    bands : Bands, optional
+        What the light will be counted in: where all are at most 2 nm wide, the finer table is taken if there is one.
 
     Raises
     ------
     ValueError
         For an unknown name, with near matches.
     """
-    return _spectrum(_pick("illuminant/", name))
+    usual = _pick("illuminant/", name)
+    fine = bands is not None and float(bands.width.max()) <= NARROW
+    return _spectrum(_tables().get(f"fine/{name}", usual) if fine else usual)
 
 
 def colorchecker_names() -> tuple[str, ...]:
