@@ -50,7 +50,8 @@ def view(
     shown
         Folder of a scene or its file; folder of a result; or that of a run that goes on, which is followed.
     other
-        A second result of the same elements, side by side or as a difference.
+        A second result, side by side or as a difference: where elements differ, of what is smooth inside of surfaces.
+        Or a second scene beside a scene.
     follow
         Folder of a run whose light takes the place of the scene as it is found.
     mode

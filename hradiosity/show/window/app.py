@@ -11,7 +11,6 @@ from hradiosity.io.drawn_scene import Drawn
 from hradiosity.io.output_folder import RUN_FILE, RUNNING, partial_of, read_run
 from hradiosity.io.results_reading import read_result
 from hradiosity.show.files import write_bytes
-from hradiosity.show.window.difference import check_same_mesh
 from hradiosity.show.window.display import check_display, use_off_screen
 from hradiosity.show.window.look import NO_LINES, Look, Quantity
 from hradiosity.show.window.page import page_bytes
@@ -111,18 +110,26 @@ def _run(viewer: Viewer, request: Request) -> None:
 
 
 def load_subjects(request: Request) -> list[Subject]:
-    """What the paths name; a difference is of two results of one mesh.
+    """What the paths name.
 
     Raises
     ------
     SceneError
-        When one of them is neither, is damaged, or two do not fit together.
+        When one of them is neither, or is damaged, or there is one of each.
     """
     drawn = [load_drawn(path) for path in request.paths] if request.drawn is None else [request.drawn]
-    if request.look.compare == "difference":
-        check_same_mesh(drawn[0], drawn[1], (str(request.paths[0]), str(request.paths[1])))
+    _check_pair(request, drawn)
     first = Subject(drawn[0], request.choices)
     return [first, *(Subject(other, request.choices, like=first) for other in drawn[1:])]
+
+
+def _check_pair(request: Request, drawn: list[Drawn]) -> None:
+    """A result and a scene have neither an exposure nor a scale in common."""
+    if len({one.light is None for one in drawn}) > 1:
+        which = next(path for path, one in zip(request.paths, drawn, strict=True) if one.light is None)
+        raise SceneError(
+            [Fault(str(which), "", "this is a scene, the other one a result", "two results, or two scenes")]
+        )
 
 
 def load_drawn(path: Path) -> Drawn:

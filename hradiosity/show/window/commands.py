@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from hradiosity.errors import OutputError, SceneError
-from hradiosity.show.window.difference import check_same_mesh
 from hradiosity.show.window.look import MODES, NO_LINES, Look, Section
 from hradiosity.show.window.marks import scene_size
 from hradiosity.show.window.navigation import STEP
 from hradiosity.show.window.outlines import hierarchy_levels
+from hradiosity.show.window.standpoints import camera_pose, outside_pose
 
 if TYPE_CHECKING:
     from hradiosity.show.window.viewer import Viewer
@@ -81,11 +81,12 @@ def _show_next_view(viewer: Viewer) -> None:
         return
     view = views[viewer.next_view % len(views)]
     viewer.next_view += 1
-    viewer.pose, viewer.message = viewer.pose_of(view), f"camera {view.name}"
+    viewer.pose = camera_pose(viewer.subject, view, viewer.part_size)
+    viewer.message = f"camera {view.name}"
 
 
 def _show_overview(viewer: Viewer) -> None:
-    viewer.pose, viewer.walking = viewer.overview(), False
+    viewer.pose, viewer.walking = outside_pose(viewer.subject, viewer.part_size), False
 
 
 def _switch_walk(viewer: Viewer) -> None:
@@ -112,9 +113,8 @@ def _switch_compare(viewer: Viewer) -> None:
     if viewer.look.compare == "difference":
         _change(viewer, compare="side by side")
         return
-    first, second = (stand.subject.drawn for stand in viewer.stands)
     try:
-        check_same_mesh(first, second, (viewer.names[0], viewer.names[1]))
+        viewer.compare()
     except SceneError as error:
         viewer.message = str(error)
     else:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -66,6 +66,14 @@ def facts_of(drawn: Drawn, light: Light | None, picked: Picked) -> Facts:
     if picked.kind == "sensor":
         return _sensor_facts(drawn, picked.number)
     return _cell_facts(drawn, light, picked.number, picked.point)
+
+
+def facts_of_both(picked: Sequence[tuple[Drawn, Picked]]) -> Facts | None:
+    """About what was picked in one result, or in two."""
+    found = [facts_of(drawn, drawn.light, place) for drawn, place in picked]
+    if not found:
+        return None
+    return found[0] if len(found) == 1 else joined_facts(found[0], found[1])
 
 
 def joined_facts(first: Facts, second: Facts) -> Facts:

@@ -28,6 +28,11 @@ class Overlays:
     Parameters
     ----------
     window : vtkRenderWindow
+
+    Attributes
+    ----------
+    places : dict
+        Left, top, right and bottom of each image that is shown, by name [pixels].
     """
 
     def __init__(self, window: Any) -> None:
@@ -41,6 +46,7 @@ class Overlays:
         self._actors = {name: ImageActor(layer) for name in ("buttons", "legend", "facts", "status", "help")}
         self._shown: dict[str, Hashable] = {}
         self._sizes: dict[str, tuple[int, int]] = {}
+        self.places: dict[str, tuple[int, int, int, int]] = {}
         self._bar = toolbar(frozenset(), 1000)
 
     def button_at(self, x: float, y: float) -> Button | None:
@@ -82,11 +88,11 @@ class Overlays:
         else:
             self._put(
                 "facts",
-                (facts.title, facts.lines, viewer.curve, viewer.facts_right, beside, width, height, rise),
+                (facts.title, facts.lines, viewer.curve, viewer.facts_right, beside, below, width, height, rise),
                 lambda: facts_panel(facts, viewer.curve),
                 lambda panel: (
                     width - panel.shape[1] - beside - _GAP if viewer.facts_right else _GAP,
-                    height - rise - panel.shape[0] - 2 * _GAP,
+                    max(height - rise - panel.shape[0] - 2 * _GAP, below),
                 ),
                 height,
             )
@@ -103,6 +109,7 @@ class Overlays:
 
     def _hide(self, name: str) -> None:
         self._shown.pop(name, None)
+        self.places.pop(name, None)
         self._actors[name].hide()
 
     def _put(
@@ -118,7 +125,9 @@ class Overlays:
             self._shown[name] = key
             pixels = make()
             self._sizes[name] = pixels.shape[0], pixels.shape[1]
-            self._actors[name].show(pixels, *place(pixels), height)
+            left, top = place(pixels)
+            self.places[name] = left, top, left + pixels.shape[1], top + pixels.shape[0]
+            self._actors[name].show(pixels, left, top, height)
 
 
 def chosen_commands(viewer: Viewer) -> frozenset[str]:
@@ -151,7 +160,12 @@ def status_words(viewer: Viewer) -> Words:
         words.append(("not solved yet: paints", INK))
     words += [
         (text, INK)
-        for text in (_exposure_words(viewer), _lines_words(look, subject.values is not None), _section_words(viewer))
+        for text in (
+            _difference_words(viewer),
+            _exposure_words(viewer),
+            _lines_words(look, subject.values is not None),
+            _section_words(viewer),
+        )
         if text
     ]
     if look.gamut and subject.values is not None:
@@ -163,6 +177,20 @@ def status_words(viewer: Viewer) -> Words:
     words.append(("on foot" if viewer.walking else "orbit", FAINT))
     words.append((viewer.message or "h: help", CHOSEN if viewer.message else FAINT))
     return tuple(words)
+
+
+def _difference_words(viewer: Viewer) -> str:
+    summary, comparison = viewer.summary, viewer.compare() if viewer.shows_difference else None
+    if summary is None or comparison is None:
+        return ""
+    lost = comparison.lost_share
+    grey = f"; grey: in one of them only, {100.0 * lost:.2g} % of the area" if lost > 0.0 else ""
+    if summary.equal:
+        return f"both are equal: no difference anywhere{grey}"
+    unit = "lx" if viewer.look.quantity == "illuminance" else "cd/m²"
+    percent = f" ({100.0 * summary.rms / summary.level:.2g} %)" if summary.level > 0.0 else ""
+    words = f"mean {summary.mean:+.3g}, rms {summary.rms:.3g} {unit}{percent} by area".replace("-", "−")
+    return f"{words}{grey}"
 
 
 def _exposure_words(viewer: Viewer) -> str:

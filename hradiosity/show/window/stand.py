@@ -88,7 +88,7 @@ class Stand:
     def show(self, look: Look, paint: Paint | None = None) -> None:
         """Show it as a look says, in the subject's own colours or in others."""
         self._surface.paint(self.subject.paint(look) if paint is None else paint)
-        self._outline(look)
+        self._outline(look, paint is not None)
         self._surface.show_backs(look.backs)
         plane = cut_plane(self.subject.cells, look.section)
         self._surface.cut(plane)
@@ -121,11 +121,11 @@ class Stand:
             self._outlines.show_lines(lines)
         place_camera(self._renderer, pose, size)
 
-    def _outline(self, look: Look) -> None:
+    def _outline(self, look: Look, on_white: bool) -> None:
         """Choose outlines; which of them are seen is found where the camera is placed."""
-        lined = look.lines != NO_LINES or look.mode == "wireframe"
+        lined = look.lines != NO_LINES or (look.mode == "wireframe" and not on_white)
         self._outlines.show(lined)
-        light = look.mode in _LIGHT_LINES or self.subject.values is not None
+        light = not on_white and (look.mode in _LIGHT_LINES or self.subject.values is not None)
         self._outlines.colour(LIGHT_LINE if light else DARK_LINE)
         level = max(look.lines, 0) if lined else None
         if level != self._outline_level:

@@ -12,12 +12,15 @@ from numpy.typing import NDArray
 
 from hradiosity.io.drawn_scene import Drawn
 from hradiosity.io.live_light import Seen
-from hradiosity.model.scene import View
 from hradiosity.show.files import png_bytes, write_bytes
-from hradiosity.show.scale_bar import Scale
 from hradiosity.show.window.commands import COMMANDS
-from hradiosity.show.window.difference import difference, difference_bytes, difference_colours, difference_scale
-from hradiosity.show.window.facts import Facts, facts_of, joined_facts
+from hradiosity.show.window.difference import (
+    Comparison,
+    Summary,
+    difference_colours,
+    painted_difference,
+)
+from hradiosity.show.window.facts import Facts, facts_of_both
 from hradiosity.show.window.look import NO_LINES, Look
 from hradiosity.show.window.marks import scene_size
 from hradiosity.show.window.navigation import STEP, Pose
@@ -38,7 +41,7 @@ class Viewer:
     Parameters
     ----------
     subjects : sequence of Subject
-        One, or two of one mesh.
+        One, or two.
     names : sequence of str
         Of them, for the status line and files.
     size : (int, int)
@@ -47,6 +50,11 @@ class Viewer:
     look : Look
     view : str, optional
         Name of the camera to start with; the first one if left out.
+
+    Raises
+    ------
+    SceneError
+        When a difference is asked for that can't be shown.
     """
 
     def __init__(
@@ -60,6 +68,10 @@ class Viewer:
         view: str | None = None,
     ) -> None:
         self.look, self.names = look or Look(), tuple(names)
+        self._comparison: Comparison | None = None
+        if len(subjects) == 2 and self.look.compare == "difference":
+            self._comparison = Comparison(subjects[0], subjects[1], (names[0], names[1]))
+        self.summary: Summary | None = None
         self.window, renderers = open_window(len(subjects), size, off_screen)
         self.stands = [Stand(r, s) for r, s in zip(renderers, subjects, strict=True)]
         self.overlays = Overlays(self.window)
@@ -118,11 +130,12 @@ class Viewer:
     def refresh(self) -> None:
         """Colours, marks and legends anew, and draw."""
         self._arrange()
-        self.legend = None
+        self.legend = self.summary = None
         if self.shows_difference:
-            paint, scale = self._difference_paint()
-            self.stands[0].show(self.look, paint)
-            self.legend = Legend(scale, difference_colours(), "second − first")
+            comparison = self.compare()
+            shown = painted_difference(comparison, self.look)
+            self.summary, self.legend = shown.summary, Legend(shown.scale, difference_colours(), comparison.words)
+            self.stands[comparison.base].show(shown.look, Paint(shown.colours))
         else:
             for stand in self.stands:
                 stand.show(self.look)
@@ -222,16 +235,8 @@ class Viewer:
     def _take_picks(self, picks: list[Picked | None]) -> None:
         """What was picked in each subject, and what is known of it."""
         self._picked = picks
-        self._facts = self._find_facts()
-
-    def _find_facts(self) -> Facts | None:
-        pairs = [
-            (stand.subject.drawn, picked) for stand, picked in zip(self.stands, self._picked) if picked is not None
-        ]
-        found = [facts_of(drawn, drawn.light, picked) for drawn, picked in pairs]
-        if not found:
-            return None
-        return found[0] if len(found) == 1 else joined_facts(found[0], found[1])
+        pairs = zip(self.stands, picks)
+        self._facts = facts_of_both([(stand.subject.drawn, found) for stand, found in pairs if found is not None])
 
     def take_light(self, seen: Seen) -> None:
         """Show newer light of a run that is followed; a new mesh takes the place of the old one.
@@ -264,36 +269,32 @@ class Viewer:
         """Whether the difference of two results is shown."""
         return len(self.stands) == 2 and self.look.compare == "difference"
 
-    def _difference_paint(self) -> tuple[Paint, Scale]:
-        first, second = (stand.subject.values for stand in self.stands)
-        if first is None or second is None:
-            raise ValueError("a difference needs two results")
-        quantity = self.look.quantity
-        change = difference(first, second, quantity)
-        scale = difference_scale(change, ~first.shining, quantity)
-        end = scale.high * 2.0**-self.look.stops
-        scale = replace(scale, low=-end, high=end)
-        return Paint(difference_bytes(change, scale)), scale
+    def compare(self) -> Comparison:
+        """The two results beside each other.
+
+        Raises
+        ------
+        SceneError
+            When they can't be compared.
+        """
+        if self._comparison is None:
+            first, second = (stand.subject for stand in self.stands)
+            self._comparison = Comparison(first, second, (self.names[0], self.names[1]))
+        return self._comparison
 
     def _arrange(self) -> None:
         """Share the window among its parts."""
         if len(self.stands) == 2:
-            self.stands[0].renderer.SetViewport(0.0, 0.0, 0.5 if self.split else 1.0, 1.0)
-            self.stands[1].renderer.SetViewport(0.5, 0.0, 1.0, 1.0)
-            self.stands[1].renderer.SetDraw(self.split)
+            base = self.compare().base if self.shows_difference else None
+            for number, stand in enumerate(self.stands):
+                left, right = (0.5 * number, 0.5 + 0.5 * number) if self.split else (0.0, 1.0)
+                stand.renderer.SetViewport(left, 0.0, right, 1.0)
+                stand.renderer.SetDraw(self.split or number == base)
 
     def _first_pose(self, name: str | None) -> Pose:
         views = self.subject.drawn.views
         chosen = next((k for k, view in enumerate(views) if view.name == name), 0)
         if not views:
-            return self.overview()
+            return outside_pose(self.subject, self.part_size)
         self.next_view = chosen + 1
-        return self.pose_of(views[chosen])
-
-    def pose_of(self, view: View) -> Pose:
-        """That shows what a camera of the scene shows."""
-        return camera_pose(self.subject, view, self.part_size)
-
-    def overview(self) -> Pose:
-        """All of the scene from outside."""
-        return outside_pose(self.subject, self.part_size)
+        return camera_pose(self.subject, views[chosen], self.part_size)

@@ -25,8 +25,8 @@ def room(room_file):
     return load_scene(room_file)
 
 
-def write_solved(folder, scene, device):
-    solver = make_solver(scene, QUICK, device)
+def write_solved(folder, scene, device, options=QUICK):
+    solver = make_solver(scene, options, device)
     for _ in solver.states():
         pass
     solution = solver.solution()
@@ -49,6 +49,14 @@ def darker(tmp_path_factory, room, device):
     folder = tmp_path_factory.mktemp("solved") / "darker"
     variant = make_variant(room, "darker", materials={"wall": 0.1})
     write_solved(folder, replace(room, materials=variant.materials), device)
+    return folder
+
+
+@pytest.fixture(scope="session")
+def finer(tmp_path_factory, room, device):
+    """The folder of the same room with smaller elements."""
+    folder = tmp_path_factory.mktemp("solved") / "finer"
+    write_solved(folder, room, device, replace(QUICK, element_size=0.25))
     return folder
 
 

@@ -9,14 +9,15 @@ from hradiosity.errors import SceneError
 from hradiosity.io.results_reading import read_result
 from hradiosity.io.scene_drawing import draw_scene
 from hradiosity.show.window.difference import (
-    check_same_mesh,
-    difference,
+    Comparison,
     difference_bytes,
     difference_colours,
     difference_scale,
+    painted_difference,
 )
 from hradiosity.show.window.facts import facts_of, joined_facts
-from hradiosity.show.window.look import Look
+from hradiosity.show.window.locating import middles
+from hradiosity.show.window.look import NO_LINES, Look
 from hradiosity.show.window.picking import Picked
 from hradiosity.show.window.subject import Choices, Subject
 
@@ -29,10 +30,59 @@ def pair(solved, darker):
 
 def test_darker_walls_take_light(pair):
     first, second = pair
-    check_same_mesh(first.drawn, second.drawn, ("a", "b"))
-    change = difference(first.values, second.values, "illuminance")
-    assert change.mean() < 0.0
-    np.testing.assert_array_equal(difference(first.values, first.values, "luminance"), 0.0)
+    compared = Comparison(first, second, ("a", "b"))
+    before, after = compared.values("illuminance")
+    assert (after - before).mean() < 0.0
+    np.testing.assert_array_equal(before, first.values.flat.illuminance)
+    summary = compared.summary("illuminance")
+    assert summary.mean < 0.0 < summary.rms < summary.level and not summary.equal
+    assert Comparison(first, first, ("a", "a")).summary("luminance").equal
+
+
+def test_other_elements_of_one_room_are_compared_by_place(pair, finer):
+    """Light of both is the same but for noise and the size of elements, which is a small part of it."""
+    first, second = pair[0], Subject(read_result(finer), Choices())
+    assert len(second.cells) > 1.5 * len(first.cells)
+    compared, other_way = Comparison(first, second, ("a", "b")), Comparison(second, first, ("b", "a"))
+    assert (compared.base, other_way.base) == (1, 0) and not compared.same_mesh
+    assert compared.lost_share < 0.02
+    one, other = compared.summary("illuminance"), other_way.summary("illuminance")
+    assert one.mean == pytest.approx(-other.mean) and one.rms == pytest.approx(other.rms)
+    assert abs(one.mean) < 0.05 * one.level and 0.0 < one.rms < 0.25 * one.level
+    before, after = compared.values("illuminance")
+    met = ~compared.lost
+    assert np.corrcoef(before[met], after[met])[0, 1] > 0.9
+    np.testing.assert_array_equal(np.isnan(before), compared.lost)
+
+
+def test_light_of_another_mesh_is_read_where_it_is(pair, finer):
+    """Light that is linear over the room is so between the elements of either mesh, but for what lies at edges."""
+    plane = np.array([30.0, -20.0, 10.0])
+    subjects = []
+    for subject in (pair[0], Subject(read_result(finer), Choices())):
+        cells, light = subject.cells, subject.drawn.light
+        middle = middles(cells)[0]
+        area = np.bincount(cells.element, cells.area, len(light.irradiance))
+        sums = [np.bincount(cells.element, cells.area * column, len(area)) for column in middle.T]
+        per_element = 200.0 + np.stack(sums, axis=1) / area[:, None] @ plane
+        flat = np.repeat(per_element[:, None], light.irradiance.shape[1], axis=1)
+        subjects.append(Subject(replace(subject.drawn, light=replace(light, irradiance=flat)), Choices()))
+    summary = Comparison(*subjects, ("a", "b")).summary("illuminance")
+    assert abs(summary.mean) < 2e-3 * summary.level
+    assert summary.rms < 0.02 * summary.level
+
+
+def test_where_one_has_no_surface_there_is_no_difference(pair):
+    first, second = pair
+    kept = second.cells.object != second.cells.object[0]
+    fewer = {n: getattr(second.cells, n)[kept] for n in second.cells.__dataclass_fields__}
+    part = Subject(replace(second.drawn, cells=type(second.cells)(**fewer)), Choices())
+    compared = Comparison(first, part, ("a", "b"))
+    assert compared.base == 0 and 0.01 < compared.lost_share < 0.5
+    np.testing.assert_array_equal(compared.lost, ~kept)
+    shown = painted_difference(compared, Look())
+    assert len(np.unique(shown.colours[compared.lost], axis=0)) == 1
+    assert shown.look.lines != NO_LINES
 
 
 def test_two_results_have_one_exposure_and_one_scale(pair):
@@ -69,13 +119,10 @@ def test_colour_blind_eyes_tell_both_ends_apart():
 
 def test_what_does_not_fit_is_told(pair, room):
     first, second = pair
-    other = replace(second.drawn, cells=replace(second.cells, corners=second.cells.corners + 0.1))
-    for drawn, words in ((other, "elsewhere"), (draw_scene(room), "scene")):
+    elsewhere = replace(second.drawn, cells=replace(second.cells, corners=second.cells.corners + 0.1))
+    for drawn, words in ((elsewhere, "elsewhere"), (draw_scene(room), "scene")):
         with pytest.raises(SceneError, match=words):
-            check_same_mesh(first.drawn, drawn, ("a", "b"))
-    fewer = {n: getattr(second.cells, n)[1:] for n in second.cells.__dataclass_fields__}
-    with pytest.raises(SceneError, match="other elements"):
-        check_same_mesh(first.drawn, replace(second.drawn, cells=type(second.cells)(**fewer)), ("a", "b"))
+            Comparison(first, Subject(drawn, Choices()), ("a", "b"))
 
 
 def test_a_place_in_both_tells_what_differs(pair):

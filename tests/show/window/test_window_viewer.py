@@ -4,6 +4,7 @@ import ctypes.util
 import shutil
 import sys
 from dataclasses import replace
+from itertools import combinations
 
 import numpy as np
 import pytest
@@ -17,7 +18,9 @@ from hradiosity.io.scene_drawing import draw_scene
 from hradiosity.show.window.commands import COMMANDS
 from hradiosity.show.window.keys import BUTTONS, KEYS, command_of
 from hradiosity.show.window.look import MODES, NO_LINES, Look
+from hradiosity.show.window.overlays import status_words
 from hradiosity.show.window.picking import pick
+from hradiosity.show.window.standpoints import camera_pose
 from hradiosity.show.window.subject import Choices, Subject
 
 NEEDS_GL = pytest.mark.skipif(
@@ -180,6 +183,35 @@ def test_a_scene_is_shown_before_it_is_solved(off_screen, room):
 
 
 @NEEDS_GL
+def test_equal_results_say_so_and_show_the_room(off_screen, solved):
+    from hradiosity.show.window.viewer import Viewer
+
+    drawn = read_result(solved[1])
+    first = Subject(drawn, Choices())
+    same = [first, Subject(drawn, Choices(), like=first)]
+    viewer = Viewer(same, ["a", "b"], size=SIZE, off_screen=True, look=Look(compare="difference"))
+    assert any("both are equal" in words for words, _ in status_words(viewer))
+    assert 0.005 < (inner(viewer).max(axis=2) < 120).mean() < 0.3, "outlines on white"
+
+
+@NEEDS_GL
+@pytest.mark.parametrize("size", [(640, 620), (1280, 800)])
+@pytest.mark.parametrize("side", [0.2, 0.8])
+def test_what_lies_over_a_difference_covers_nothing_else(off_screen, solved, darker, size, side):
+    from hradiosity.show.window.viewer import Viewer
+
+    first = Subject(read_result(solved[1]), Choices())
+    pair = [first, Subject(read_result(darker), Choices(), like=first)]
+    viewer = Viewer(pair, ["a", "b"], size=size, off_screen=True, look=Look(compare="difference"))
+    viewer.click(side * size[0], 0.4 * size[1])
+    places = viewer.overlays.places
+    assert set(places) == {"buttons", "legend", "facts", "status"}
+    for one, other in combinations(places.values(), 2):
+        apart = one[2] <= other[0] or other[2] <= one[0] or one[3] <= other[1] or other[3] <= one[1]
+        assert apart, (places, size)
+
+
+@NEEDS_GL
 def test_outlines_of_a_floor_that_reaches_behind_the_eye_leave_it_its_colour(off_screen, room):
     from hradiosity.show.window.viewer import Viewer
 
@@ -188,7 +220,7 @@ def test_outlines_of_a_floor_that_reaches_behind_the_eye_leave_it_its_colour(off
     for lines in (NO_LINES, 0):
         viewer = Viewer([subject], ["room"], size=SIZE, off_screen=True, look=Look(lines=lines))
         amid = replace(room.views[0], position=np.array([1.5, 1.0, 1.6]), direction=np.array([-0.772, 0.154, -0.617]))
-        viewer.pose = viewer.pose_of(amid)
+        viewer.pose = camera_pose(viewer.subject, amid, viewer.part_size)
         viewer.redraw()
         pictures.append(inner(viewer).astype(np.int64))
     changed = (np.abs(pictures[0] - pictures[1]) > 8).any(axis=2).mean()
@@ -300,7 +332,9 @@ def test_what_can_t_be_shown_is_told(refused, solved, room_file, tmp_path):
     assert "damaged" in refused(tmp_path / "a.vtkhdf", *shot)
     assert "there is one result" in refused(solved[1], "--difference", *shot)
     assert "one, which the page" in refused(solved[1], solved[1], "--html", tmp_path / "a.html")
-    assert "two results" in refused(solved[1], room_file, "--difference", *shot)
+    for extra in ((), ("--difference",)):
+        assert "this is a scene, the other one a result" in refused(solved[1], room_file, *extra, *shot)
+    assert "two results" in refused(room_file, room_file, "--difference", *shot)
     assert "door, corner" in refused(solved[1], "--camera", "window", *shot)
     assert "no range" in refused(solved[1], "--false-color-range", 5, 1, *shot)
     assert "above 0" in refused(solved[1], "--exposure", -1, *shot)
