@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Protocol
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -42,6 +42,29 @@ class _AtPoints:
     def illuminance_half_width(self) -> NDArray[np.float64]:
         """(n,) of `illuminance`."""
         return self.numbers["illuminance"].half_width
+
+
+@dataclass(frozen=True)
+class ReflectedLux:
+    """Illuminance at points but for what comes straight from emitters that shadow rays go to.
+
+    lux : (n,) float64 [lx]
+    noise : (n,) float64, standard error by the paths from each point alone
+    half_width : (n,) float64, of the 95 % interval
+    """
+
+    lux: NDArray[np.float64]
+    noise: NDArray[np.float64]
+    half_width: NDArray[np.float64]
+
+
+class Reflector(Protocol):
+    """What reads reflected light with the kept light of a solution's replicates."""
+
+    def __call__(
+        self, position: NDArray[np.float64], normal: NDArray[np.float64], n_paths: int, seed: int
+    ) -> ReflectedLux:
+        """Light at points (n, 3) [m] with unit normals, by so many paths from each; hemicubes have none."""
 
 
 @dataclass(frozen=True)
@@ -217,6 +240,7 @@ class Solution:
     replicates : replicates that the numbers are means of
     complete : False when the run was interrupted
     reader : reads further points with the kept light of the replicates; None for a solution without a solver
+    reflector : the same for the reflected light of many points side by side
     variants : by name, what is read of the scene's variants; all else is of the scene itself
     """
 
@@ -229,6 +253,7 @@ class Solution:
     complete: bool
     record: Mapping[str, Any] = field(default_factory=dict)
     reader: Callable[[Sensor], Readings] | None = None
+    reflector: Reflector | None = None
     variants: Mapping[str, VariantReadings] = field(default_factory=dict)
 
     def read(self, points: ArrayLike, normals: ArrayLike) -> Readings:

@@ -14,7 +14,7 @@ from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.solver import KEPT_BYTES, RadiositySolver
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
-from hradiosity.solution import Readings
+from hradiosity.solution import Readings, ReflectedLux
 from hradiosity.transport.direct import direct_at_points
 
 READING_BATCH = 1024
@@ -73,6 +73,24 @@ class ClassicSolver(RadiositySolver):
             self._gather(moments, light)
         return moments.readings(self._prepare().shared_errors())[sensor.name]
 
+    def read_reflected(
+        self, position: NDArray[np.float64], normal: NDArray[np.float64], n_paths: int, seed: int
+    ) -> ReflectedLux:
+        """Reflected light at points by hemicubes over them, which have no number of paths and no further seed.
+
+        Raises
+        ------
+        RuntimeError
+            Before two replicates are kept.
+        """
+        if len(self._lights) < 2:
+            raise RuntimeError("further points need the light of two replicates or more, computed by this process")
+        moments = ReadingMoments((Sensor("map", position, normal),), self.scene.bands, scene=self.scene)
+        for light in self._lights:
+            self._gather(moments, light, direct=False)
+        found = moments.readings(self._prepare().shared_errors(), illuminance_only=True)["map"].numbers["illuminance"]
+        return ReflectedLux(found.value, found.standard_error, found.half_width)
+
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
         if not isinstance(surfaces, ClassicSurfaces):
@@ -86,12 +104,14 @@ class ClassicSolver(RadiositySolver):
         if len(self._lights) < 2 or (len(self._lights) + 1) * size <= KEPT_BYTES:
             self._lights.append(light)
 
-    def _gather(self, moments: ReadingMoments, light: ClassicLight) -> None:
-        """One replicate of readings."""
+    def _gather(self, moments: ReadingMoments, light: ClassicLight, *, direct: bool = True) -> None:
+        """One replicate of readings, or of their reflected light."""
         position, normal = moments.position, moments.normal
-        irradiance = self._direct(position, normal, light.seed)
+        irradiance = np.zeros((len(position), self.plan.columns.n_columns))
+        if direct:
+            irradiance += self._direct(position, normal, light.seed)
         lost = np.zeros(len(position))
-        exitance = light.reflected + light.emitted if self._lamps_in_view else light.reflected
+        exitance = light.reflected + light.emitted if self._lamps_in_view and direct else light.reflected
         rng = np.random.Generator(np.random.Philox(key=light.seed ^ 0x5BD1E995))
         angle = rng.random(len(position)) * 2.0 * np.pi
         sky = self.plan.columns.sky.astype(np.float64)

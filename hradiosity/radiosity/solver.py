@@ -33,11 +33,12 @@ from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.interval import part_of
 from hradiosity.readings.moments import ReadingMoments
 from hradiosity.readings.path_tracing import PathRules
+from hradiosity.readings.reflected import MeanLight, mean_light, reflected_lux
 from hradiosity.readings.sensors import ReadingSamples, read_points
 from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.readings.twins import Twins
 from hradiosity.readings.unseen import brightest_unseen
-from hradiosity.solution import Readings, Solution
+from hradiosity.solution import Readings, ReflectedLux, Solution
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
@@ -86,6 +87,7 @@ class RadiositySolver:
         self._accuracies: tuple[int, Accuracies] | None = None
         self.notes: tuple[Note, ...] = scene.notes
         self._kept: list[tuple[DeviceElements, SurfaceLight, int]] = []
+        self._mean: MeanLight | None = None
 
     @property
     def replicates(self) -> int:
@@ -169,6 +171,7 @@ class RadiositySolver:
             complete=self.replicates >= self._wanted(),
             record=self._summary(),
             reader=self.read,
+            reflector=self.read_reflected,
             variants=self._readings.variants(self._prepare().shared_errors()),
         )
 
@@ -188,6 +191,26 @@ class RadiositySolver:
         for elements, light, seed in self._kept:
             self._read(moments, elements, light, seed, effort)
         return moments.readings(self._prepare().shared_errors())[sensor.name]
+
+    def read_reflected(
+        self, position: NDArray[np.float64], normal: NDArray[np.float64], n_paths: int, seed: int
+    ) -> ReflectedLux:
+        """Reflected light at many points side by side, from the light kept on the last elements.
+
+        Raises
+        ------
+        RuntimeError
+            Before two replicates are kept.
+        """
+        elements = self._kept[-1][0] if self._kept else None
+        lights = [light for its_elements, light, _ in self._kept if its_elements is elements]
+        if elements is None or len(lights) < 2:
+            raise RuntimeError("further points need the light of two replicates or more, computed by this process")
+        if self._mean is None or self._mean.replicates != len(lights):
+            self._mean = mean_light(self.device, lights)
+        scene, seed = self._prepare().on_device, seed ^ self.options.seed
+        bands, rules = self.scene.bands, self._rules
+        return reflected_lux(scene, elements, self._mean, bands, position, normal, n_paths, rules=rules, seed=seed)
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs, by name; the arrays do not change when the run goes on."""
@@ -271,7 +294,7 @@ class RadiositySolver:
         self._readings = self._make_moments()
         self._surfaces, self._effort, self._accuracies = None, None, None
         self._twins = Twins(len(self._readings.position))
-        self._kept = []
+        self._kept, self._mean = [], None
         self.record.defects.clear()
         self.record.convergence.clear()
         self._prepare()

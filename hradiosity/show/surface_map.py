@@ -1,4 +1,4 @@
-"""Illuminance on surfaces as a map whose error is asked for: leaves cut at shadow boundaries, read at their corners."""
+"""Illuminance on surfaces as a map whose error is asked for: leaves cut where the light changes."""
 
 from __future__ import annotations
 
@@ -11,20 +11,24 @@ from numpy.typing import NDArray
 
 from hradiosity.device import Device
 from hradiosity.metrics.photometric import luminous_weights
-from hradiosity.model.geometry import BACK
 from hradiosity.show.light import PictureScene, picture_scene
+from hradiosity.show.map_reflected import ReflectedLight, ReflectedVertices, open_weights, paths_for
 from hradiosity.solution import Solution
 from hradiosity.space.bvh_build import build_bvh
 from hradiosity.space.cell_lookup import locate_cells
 from hradiosity.space.hierarchy import NONE
 from hradiosity.space.leaf_fan import fan_weights
-from hradiosity.space.leaves import CENTRE
+from hradiosity.space.leaves import CENTRE, Leaves, plant_leaves
 from hradiosity.transport.device_scene import DeviceScene, upload_scene
 from hradiosity.transport.glow import sampled_scene
-from hradiosity.transport.refine import RefinementGoal, RefinementOptions, ShadowLight, refine_shadows
+from hradiosity.transport.leaf_light import VertexLight
+from hradiosity.transport.refine import RefinementGoal, RefinementOptions, ShadowLight, split_by_error, united
 
 FINEST: Final = 1e-4
 """Edge of the smallest leaves, relative to the scene's half extent."""
+MAX_LEVEL: Final = 10
+DIRECT_SHARE, REFLECTED_SHARE, NOISE_SHARE = 0.8, 0.4, 0.3
+"""Of a map's error: what direct light and reflected light between vertices, and noise, may come to; squares add up."""
 
 
 @dataclass(frozen=True)
@@ -33,13 +37,15 @@ class SurfaceMap:
 
     shadow : the leaves, and their vertices
     lux, half_width : (n_vertices,) float64 [lx], 0 where the vertex lies inside of something; half widths of the
-        95 % intervals of the readings there, which do not hold the error of interpolation
+        95 % intervals of the reflected light there, which do not hold the error of interpolation
+    reflected : the reflected light that is part of `lux`, on fewer leaves; None where there is none
     """
 
     solution: Solution
     shadow: ShadowLight
     lux: NDArray[np.float64]
     half_width: NDArray[np.float64]
+    reflected: ReflectedLight | None = None
 
     @property
     def n_leaves(self) -> int:
@@ -83,9 +89,7 @@ class SurfaceMap:
             weights = np.where(triangles[side // 2, None], [2, 2, 2, 0, 3], [1, 1, 1, 1, 2]).astype(np.float32)
         else:
             vertices, weights = fan_weights(self.shadow.vertex, known, s, t, triangles[side // 2])
-        weights = np.where(self.shadow.covered[vertices], np.float32(0.0), weights)
-        total = weights.sum(axis=1)
-        value = np.einsum("nk,nk->n", weights, self.lux[vertices]) / np.where(total > 0.0, total, 1.0)
+        value = np.einsum("nk,nk->n", open_weights(vertices, weights, self.shadow.covered), self.lux[vertices])
         return np.where(node < 0, np.nan, value)
 
 
@@ -95,21 +99,23 @@ def map_objects(solution: Solution, device: Device, names: Sequence[str], *, err
     Parameters
     ----------
     solution : Solution
-        Of a solver of this process, since it is read at the corners of the leaves; the samples of its options tell
-        the noise there.
+        Of a solver of this process, since reflected light is read at points of the map.
     names : sequence of str
         Of the objects, as the scene has them; the floor of a box that is a room is no object of its own.
     error : float
-        Root mean square error of the direct light that interpolation may leave, over the mean illuminance.
+        Root mean square error of the map that leaves and noise may leave, over the mean illuminance; that of the
+        solution itself comes on top.
 
     Raises
     ------
     ValueError
-        When there is no object of a name.
+        When no name is given, there is no object of a name, or no light reaches any of the objects.
     RuntimeError
         When the solution was not made by a solver of this process.
     """
     scene = solution.scene
+    if not names:
+        raise ValueError(f"a map needs the name of an object; the scene has {', '.join(scene.objects)}")
     unknown = [name for name in names if name not in scene.objects]
     if unknown:
         raise ValueError(
@@ -117,50 +123,68 @@ def map_objects(solution: Solution, device: Device, names: Sequence[str], *, err
         )
     chosen = np.isin(scene.patches.object, [scene.objects.index(name) for name in names])
     sides = np.flatnonzero((solution.elements.first_cell != NONE) & chosen[:, None])
+    if not len(sides):
+        raise ValueError(f"no light reaches {', '.join(map(repr, names))}")
     sampled = sampled_scene(scene, solution.plan.weak_emitters)
     on_device = upload_scene(device, sampled, build_bvh(device, scene.patches), occlusion=solution.plan.occlusion)
-    return map_surfaces(
-        solution, on_device, sides, RefinementOptions(base_level=0, max_level=10, error=error), FINEST * on_device.scale
-    )
+    return map_surfaces(solution, on_device, sides, error)
 
 
 def map_surfaces(
-    solution: Solution,
-    on_device: DeviceScene,
-    sides: NDArray[np.int64],
-    refinement: RefinementOptions,
-    finest: float,
+    solution: Solution, on_device: DeviceScene, sides: NDArray[np.int64], error: float, finest: float = FINEST
 ) -> SurfaceMap:
-    """Cut leaves on sides, and read the solution at their corners and centres.
+    """Map of some sides: 2 · patch + side of the solution's scene; see `map_objects`.
+
+    Direct light is computed at the vertices of its leaves. Reflected light is smooth but dear: it is read at the
+    vertices of others, which are coarser nearly everywhere, and interpolated. Leaves of the map are as fine as the
+    finer of both.
 
     Parameters
     ----------
-    solution : Solution
-        With a solver behind it; its options tell the effort of each reading.
-    sides : (n,) int64
-        2 · patch + side of the solution's scene.
-    refinement : RefinementOptions
-        With ``error`` for a map of that root mean square error of the direct light.
     finest : float
-        Edge of leaves that are not split any more [m].
+        Edge of leaves that are not split any more, relative to the scene's half extent.
     """
-    picture = picture_scene(solution)
-    goal = map_goal(picture, solution, sides, finest)
-    sampled = sampled_scene(solution.scene, solution.plan.weak_emitters)
-    shadow = refine_shadows(on_device, sampled, goal, refinement)
-    return read_map(solution, shadow)
+    goal = map_goal(picture_scene(solution), solution, sides, finest * on_device.scale)
+    direct, leaves = cut_by_direct(solution, on_device, goal, error)
+    if not reflects(solution):
+        return joined(solution, direct, leaves, None)
+    n_paths = paths_for(on_device, solution, goal, NOISE_SHARE * error)
+    vertices = ReflectedVertices(on_device, solution, goal, n_paths)
+    planted = plant_leaves(goal.frames, np.isfinite(goal.size), MAX_LEVEL)
+    read = split_by_error(planted, vertices, solution.scene.patches, goal, 0, REFLECTED_SHARE * error)
+    return joined(solution, direct, united(leaves, read, direct), vertices.finish(read))
 
 
-def read_map(solution: Solution, shadow: ShadowLight) -> SurfaceMap:
-    """Read the solution at the vertices of leaves."""
-    patches = solution.scene.patches
-    normal = patches.normal[shadow.vertex_side // 2] * np.where(shadow.vertex_side % 2 == BACK, -1.0, 1.0)[:, None]
-    free = np.flatnonzero(~shadow.covered)
-    lux, half_width = np.zeros((2, len(shadow.covered)))
-    if len(free):
-        found = solution.read(shadow.position[free], normal[free])
-        lux[free], half_width[free] = found.illuminance, found.illuminance_half_width
-    return SurfaceMap(solution, shadow, lux, half_width)
+def cut_by_direct(
+    solution: Solution, on_device: DeviceScene, goal: RefinementGoal, error: float
+) -> tuple[VertexLight, Leaves]:
+    """Leaves that leave the direct light its share of an error, and the light at their vertices."""
+    options = RefinementOptions(base_level=0, max_level=MAX_LEVEL, error=DIRECT_SHARE * error)
+    vertices = VertexLight(on_device, sampled_scene(solution.scene, solution.plan.weak_emitters), goal, options)
+    planted = plant_leaves(goal.frames, np.isfinite(goal.size), MAX_LEVEL)
+    return vertices, split_by_error(planted, vertices, solution.scene.patches, goal, 0, DIRECT_SHARE * error)
+
+
+def reflects(solution: Solution) -> bool:
+    """Whether there is light that paths bring."""
+    return solution.plan.gathers or solution.scene.sky is not None
+
+
+def joined(solution: Solution, direct: VertexLight, leaves: Leaves, reflected: ReflectedLight | None) -> SurfaceMap:
+    """Direct light at the vertices of leaves, with reflected light interpolated there."""
+    direct.evaluate(leaves, np.flatnonzero(leaves.is_leaf))
+    shadow = direct.finish(leaves)
+    lux, half_width = direct.lux, np.zeros(len(direct.lux))
+    if reflected is not None:
+        nodes = np.flatnonzero(leaves.is_leaf)
+        cell = np.repeat(leaves.cell[nodes].astype(np.int64), CENTRE + 1)
+        s, t = leaves.in_cell(nodes)[:, : CENTRE + 1].reshape(-1, 2).astype(np.float32).T
+        found = reflected.at(cell, s, t)
+        vertex = shadow.vertex[nodes, : CENTRE + 1].ravel()
+        more = np.zeros((len(lux), 2))
+        more[vertex] = np.where(shadow.covered[vertex, None], 0.0, found[:, [0, 2]])
+        lux, half_width = lux + more[:, 0], more[:, 1]
+    return SurfaceMap(solution, shadow, lux, half_width, reflected)
 
 
 def map_goal(picture: PictureScene, solution: Solution, sides: NDArray[np.int64], finest: float) -> RefinementGoal:

@@ -92,6 +92,13 @@ class Leaves:
         places: NDArray[np.int64] = self.corner[nodes][:, None, :] + unit[:, None, None] * sixths
         return places
 
+    def in_cell(self, nodes: NDArray[np.integer]) -> NDArray[np.float64]:
+        """(n, 9, 2) the same places in the frames of the nodes' cells."""
+        cell = self.cell[nodes]
+        corner, extent = self.frames.corner[cell][:, None, :], self.frames.extent[cell][:, None, None]
+        inside: NDArray[np.float64] = (self.places(nodes) - self.step * corner) / (self.step * extent)
+        return inside
+
     def locate(
         self, cell: NDArray[np.int64], s: NDArray[np.float32], t: NDArray[np.float32]
     ) -> tuple[NDArray[np.int32], NDArray[np.float32], NDArray[np.float32]]:

@@ -49,26 +49,30 @@ ENOUGH: Final = 2
 class LeafErrors:
     """Estimated errors of nodes, which grow in number; light is a number at each corner and centre.
 
-    Nodes come with ``light`` (n, 5) and ``known`` (n, 5), False where the vertex lies inside a solid or is repeated.
+    Nodes come with ``light`` (n, 5), its ``variance`` (n, 5), which is taken out of what the light seems to change
+    by, and ``known`` (n, 5), False where the vertex lies inside a solid or is repeated.
     """
 
     def __init__(self) -> None:
-        self._light = np.zeros((0, CENTRE + 1))
+        self._light, self._variance = np.zeros((2, 0, CENTRE + 1))
         self._known = np.zeros((0, CENTRE + 1), np.bool_)
         self._from_parent = np.zeros(0)
         self._range = np.zeros(0)
 
-    def add(self, leaves: Leaves, light: NDArray[np.float64], known: NDArray[np.bool_]) -> None:
+    def add(
+        self, leaves: Leaves, light: NDArray[np.float64], variance: NDArray[np.float64], known: NDArray[np.bool_]
+    ) -> None:
         """Take the nodes into account that are new among the leaves, parents before children.
 
         Parameters
         ----------
         leaves : Leaves
-        light : (n, 5) float64
+        light, variance : (n, 5) float64
         known : (n, 5) bool
         """
         before = len(self._from_parent)
         self._light, self._known = np.concatenate([self._light, light]), np.concatenate([self._known, known])
+        self._variance = np.concatenate([self._variance, variance])
         n_roots = leaves.n_nodes if before == 0 else 0
         self._from_parent = np.concatenate([self._from_parent, np.zeros(n_roots)])
         self._range = np.concatenate([self._range, self._spread(np.arange(before, before + n_roots))])
@@ -98,8 +102,9 @@ class LeafErrors:
         told = np.einsum("npq,nq->np", weights, np.where(self._known[above], self._light[above], 0.0))
         sure = self._known[nodes] & NEW[kind, child]
         sure &= np.einsum("npq,nq->np", weights, self._known[above].astype(float)) > 1.0 - 1e-9
-        missed = np.where(sure, self._light[nodes] - told, 0.0)
-        mean_square = (missed**2).sum(axis=1) / np.maximum(sure.sum(axis=1), 1)
+        noise = self._variance[nodes] + np.einsum("npq,nq->np", weights**2, self._variance[above])
+        missed = np.where(sure, (self._light[nodes] - told) ** 2 - noise, 0.0)
+        mean_square = np.maximum(missed.sum(axis=1), 0.0) / np.maximum(sure.sum(axis=1), 1)
         inherited = DECAY * np.maximum(np.sqrt(mean_square), 0.5 * self._from_parent[above])
         spread = np.maximum(self._spread(nodes), 0.5 * self._range[above])
         self._from_parent = np.concatenate([self._from_parent, inherited])
@@ -110,7 +115,10 @@ class LeafErrors:
         light, known = self._light[nodes], self._known[nodes]
         corners = known[:, :CENTRE].sum(axis=1)
         mean = (light * known)[:, :CENTRE].sum(axis=1) / np.maximum(corners, 1)
-        bend = np.where((corners > 0) & known[:, CENTRE], np.abs(light[:, CENTRE] - mean), 0.0)
+        variance = self._variance[nodes] * known
+        noise = variance[:, CENTRE] + variance[:, :CENTRE].sum(axis=1) / np.maximum(corners, 1) ** 2
+        square = np.maximum((light[:, CENTRE] - mean) ** 2 - noise, 0.0)
+        bend = np.where((corners > 0) & known[:, CENTRE], np.sqrt(square), 0.0)
         error = np.maximum(FAN * bend, FAN * self._from_parent[nodes])
         return np.asarray(error)
 

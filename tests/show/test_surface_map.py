@@ -8,7 +8,6 @@ from hradiosity import Options
 from hradiosity.radiosity import make_solver
 from hradiosity.show.surface_map import map_objects, map_surfaces
 from hradiosity.suites.maps.points import floor_sides, spread_points
-from hradiosity.transport.refine import RefinementOptions
 
 UP = (0.0, 0.0, 1.0)
 LOW, HIGH = np.array([0.7, 0.55]), np.array([1.45, 1.3])
@@ -33,12 +32,12 @@ def room(gap, *, closed):
     return b.scene()
 
 
-def solved_map(device, scene, **refinement):
+def solved_map(device, scene, error):
     solver = make_solver(scene, Options(elements=600, gather_samples=128, light_samples=64), device)
     list(solver.states())
     solution = solver.solution()
     sides = floor_sides(solution.scene, (solver.lit.space >= 0).ravel())
-    found = map_surfaces(solution, solver.on_device, sides, RefinementOptions(**refinement), 1e-4)
+    found = map_surfaces(solution, solver.on_device, sides, error)
     return solution, found
 
 
@@ -53,7 +52,7 @@ def under(points):
 
 @pytest.mark.parametrize("closed", [False, True], ids=["without-bottom", "closed"])
 def test_the_floor_under_a_box_that_stands_on_it_is_exactly_dark(device, closed):
-    solution, found = solved_map(device, room(0.0, closed=closed), base_level=1, max_level=5, error=0.02)
+    solution, found = solved_map(device, room(0.0, closed=closed), 0.02)
     points = all_of_the_floor(solution)
     lux, flat = (found.at(points.side, points.u, points.v, flat=kind) for kind in (False, True))
     dark = under(points)
@@ -72,7 +71,7 @@ def test_the_floor_under_a_box_that_stands_on_it_is_exactly_dark(device, closed)
 
 def test_a_gap_of_a_millimetre_lets_in_what_it_should(device):
     """Light that has come one box height in has met floor and bottom hundreds of times: nothing is left of it."""
-    solution, found = solved_map(device, room(1e-3, closed=True), base_level=1, max_level=5, error=0.02)
+    solution, found = solved_map(device, room(1e-3, closed=True), 0.02)
     points = all_of_the_floor(solution)
     lux = found.at(points.side, points.u, points.v)
     deep = ((points.position[:, :2] > LOW + 0.15) & (points.position[:, :2] < HIGH - 0.15)).all(axis=1)
@@ -101,6 +100,25 @@ def test_map_of_an_object(device):
     np.testing.assert_allclose(found.corner_lux[middle, 0], read.illuminance, rtol=0.05)
     with pytest.raises(ValueError, match="no object 'table'"):
         map_objects(solution, device, ["table"])
+    with pytest.raises(ValueError, match="needs the name of an object; the scene has object"):
+        map_objects(solution, device, [])
+
+
+def test_few_points_are_read_for_many_leaves(device):
+    """Shadow edges take leaves, reflected light few of them; both add up to what sensors read."""
+    b = SceneBuilder()
+    b.box((0, 0, 0), (2, 2, 2), b.material(0.5), inward=True)
+    b.patch((0.7, 0.6, 1.0), (0.5, 0, 0), (0, 0.5, 0), b.material(0.5))
+    b.lamp(b.patch((0.9, 0.9, 1.9), (0, 0.2, 0), (0.2, 0, 0), b.material(0.5)), 100.0)
+    scene = b.scene()
+    found = solved_map(device, scene, 0.01)[1]
+    assert found.n_leaves > 3 * found.reflected.leaves.is_leaf.sum()
+    spread = spread_points(scene, floor_sides(scene, np.arange(2 * len(scene.patches)) % 2 == 0), 200)
+    lux = found.at(spread.side, spread.u, spread.v)
+    read = make_solver(scene, Options(elements=600, gather_samples=4096, light_samples=4096), device)
+    list(read.states())
+    sure = read.solution().read(spread.position, UP).illuminance
+    assert np.sqrt(((lux - sure) ** 2).mean()) < 0.015 * sure.mean()
 
 
 def test_points_are_spread_evenly_over_the_floor(device):

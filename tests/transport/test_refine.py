@@ -10,8 +10,11 @@ from hradiosity.space.cell_lookup import cell_frames, locate_cells
 from hradiosity.space.hierarchy import build_elements
 from hradiosity.space.leaf_fan import fan_weights
 from hradiosity.space.leaf_vertices import find_rims
+from hradiosity.space.leaves import plant_leaves, split_leaves
 from hradiosity.transport.device_scene import upload_scene
-from hradiosity.transport.refine import RefinementGoal, RefinementOptions, refine_shadows
+from hradiosity.transport.leaf_error import LeafErrors
+from hradiosity.transport.leaf_light import VertexLight
+from hradiosity.transport.refine import RefinementGoal, RefinementOptions, refine_shadows, united
 
 LAMP_HEIGHT, CARD_HEIGHT = 2.0, 1.0
 CARD = (-0.23, 0.31, -0.17, 0.28)
@@ -200,3 +203,50 @@ def test_vertices_inside_solids_are_covered(device):
 def test_options_are_checked(wrong):
     with pytest.raises(ValueError):
         RefinementOptions(**wrong)
+
+
+def planted(device, max_level=4):
+    """Two cells of a floor, and vertices that tell which of their points are one."""
+    b = SceneBuilder()
+    b.patch((0, 0, 0), (2, 0, 0), (0, 1, 0), b.material(0.5))
+    scene = b.scene()
+    elements = build_elements(scene.patches, np.ones((1, 2), bool), np.ones(1, bool), 1.0, grouping=False)
+    frames = cell_frames(elements, scene.patches.is_triangle)
+    rims = find_rims(scene.patches, np.zeros((1, 2), np.int64))
+    size = np.where(frames.side == 0, 1e-3, np.inf)
+    goal = RefinementGoal(frames, rims, elements.divisions.astype(np.int64), size, np.ones(len(size)))
+    on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=False)
+    vertices = VertexLight(on_device, scene, goal, RefinementOptions(max_level=max_level))
+    return plant_leaves(frames, np.isfinite(size), max_level), vertices
+
+
+def test_united_leaves_are_as_fine_as_the_finer_of_both(device):
+    leaves, vertices = planted(device)
+    one = split_leaves(leaves, [0])
+    one = split_leaves(one, [one.first_child[0]])
+    other = split_leaves(leaves, [1])
+    other = split_leaves(other, [other.first_child[1] + 3])
+    both = united(one, other, vertices)
+    assert united(both, other, vertices).n_nodes == both.n_nodes
+    rng = np.random.default_rng(3)
+    cell = rng.integers(0, 2, 500)
+    s, t = rng.random((2, 500), np.float32)
+    levels = [tree.level[tree.locate(cell, s, t)[0]] for tree in (one, other, both)]
+    assert (levels[2] >= np.maximum(levels[0], levels[1])).all()
+    area = 0.25 ** both.level[both.is_leaf].astype(float)
+    assert area.sum() == pytest.approx(len(leaves.cell))
+
+
+def test_noise_of_the_light_is_no_reason_to_split(device):
+    leaves, _ = planted(device)
+    whole = len(leaves.cell)
+    rng = np.random.default_rng(1)
+    leaves = split_leaves(leaves, np.arange(whole))
+    bend = np.array([0.0, 0.0, 0.0, 0.0, 1.0])
+    noise = 0.05 * rng.standard_normal((leaves.n_nodes, 5))
+    children = np.arange(whole, leaves.n_nodes)
+    for height, low, high in ((0.0, 0.0, 0.03), (1.0, 0.3, 0.7)):
+        light = noise + height * bend
+        errors = LeafErrors()
+        errors.add(leaves, light, np.full_like(light, 0.05**2), np.ones(light.shape, bool))
+        assert low <= np.sqrt((errors.of(children) ** 2).mean()) <= high

@@ -27,19 +27,18 @@ from hradiosity.suites.maps.points import floor_sides, spread_points, unbiased_m
 BANDS = 20
 """Illuminance needs no more, and the reference then takes a third of the time."""
 HEADER = (
-    f"{'leaves':>10} {'wanted':>7} {'number':>8} {'vertices':>8} {'direct':>7} {'all':>7} {'flat':>7} {'interval':>8} "
-    f"{'cut, s':>7} {'read, s':>7}"
+    f"{'leaves':>10} {'wanted':>7} {'number':>8} {'read':>7} {'direct':>7} {'refl.':>7} {'all':>7} {'flat':>7} "
+    f"{'interval':>8} {'CPU s':>7}"
 )
 
 
 def line(outcome: MapOutcome) -> str:
     """One row of the table; errors in percent of the mean."""
-    shares = (outcome.direct, outcome.total, outcome.flat)
+    shares = (outcome.direct, outcome.reflected, outcome.total, outcome.flat)
     percent = " ".join(_number(100.0 * s, 7, 3) for s in shares)
     return (
-        f"{outcome.kind:>10} {_number(100.0 * outcome.wanted, 7, 1)} {outcome.leaves:8d} {outcome.vertices:8d} "
-        f"{percent} {_number(100.0 * outcome.half_width, 8, 2)} {outcome.cut_seconds:7.2f} "
-        f"{_number(outcome.read_seconds, 7, 2)}"
+        f"{outcome.kind:>10} {_number(100.0 * outcome.wanted, 7, 1)} {outcome.leaves:8d} {outcome.read:7d} "
+        f"{percent} {_number(100.0 * outcome.half_width, 8, 2)} {outcome.seconds:7.2f}"
     )
 
 
@@ -68,10 +67,10 @@ def measure(path: Path, device: Device, options: argparse.Namespace) -> tuple[li
     bench = MapBench.of(solution, solver.on_device, sides, truth)
     outcomes = [bench.elements(seconds)]
     print(line(outcomes[0]), flush=True)
-    for outcome in bench.adaptive(options.errors, options.most_read):
+    for outcome in bench.adaptive(options.errors):
         outcomes.append(outcome)
         print(line(outcome), flush=True)
-    for outcome in bench.uniform(options.levels, options.most_read, 256):
+    for outcome in bench.uniform(options.levels, options.most_read, min(options.errors)):
         outcomes.append(outcome)
         print(line(outcome), flush=True)
     for text in _ratios(outcomes):
@@ -137,12 +136,16 @@ def _arguments() -> argparse.Namespace:
     parser.add_argument("--paths", type=int, default=4096, help="of the referee, from each point")
     parser.add_argument("--cache", type=Path, default=Path("out/maps"), help="folder that keeps the referee's light")
     parser.add_argument("--elements", type=int, default=3000, help="row elements")
-    parser.add_argument("--gather-samples", type=int, default=512, help="of each vertex of a leaf")
     parser.add_argument(
-        "--errors", type=_errors, default=[0.05, 0.03, 0.02, 0.01], help="of the direct light, 0.05,0.01"
+        "--gather-samples", type=int, default=512, help="of a reading, which maps multiply as their error asks for"
+    )
+    parser.add_argument(
+        "--errors", type=_errors, default=[0.05, 0.03, 0.02, 0.01], help="that are asked for, 0.05,0.01"
     )
     parser.add_argument("--levels", type=int, default=4, help="sizes of uniform leaves, each half of the one before")
-    parser.add_argument("--most-read", type=int, default=15000, help="vertices at which all light is read")
+    parser.add_argument(
+        "--most-read", type=int, default=15000, help="vertices of leaves of one size at which reflected light is read"
+    )
     parser.add_argument("--out", type=Path, help="folder for plots and tables")
     parser.add_argument("--json", type=Path, help="write the figures there as well")
     return parser.parse_args()

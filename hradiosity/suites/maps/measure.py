@@ -4,21 +4,25 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.metrics.photometric import luminous_weights
+from hradiosity.model.scene import Scene
 from hradiosity.show.light import picture_scene
-from hradiosity.show.surface_map import FINEST, SurfaceMap, map_goal, read_map
+from hradiosity.show.map_reflected import ReflectedVertices, paths_for
+from hradiosity.show.surface_map import FINEST, NOISE_SHARE, SurfaceMap, joined, map_goal, map_surfaces
 from hradiosity.solution import Solution
 from hradiosity.space.cell_lookup import locate_cells
+from hradiosity.space.leaves import Leaves, plant_leaves, split_leaves
 from hradiosity.suites.maps.points import MapTruth
 from hradiosity.transport.device_scene import DeviceScene
 from hradiosity.transport.direct import direct_at_points
 from hradiosity.transport.glow import sampled_scene
-from hradiosity.transport.refine import RefinementOptions, ShadowLight, refine_shadows
+from hradiosity.transport.leaf_light import VertexLight
+from hradiosity.transport.refine import RefinementOptions
 
 DIRECT_RAYS = 4096
 """Shadow rays from each point to all emitters together, for the direct light that maps are compared with."""
@@ -32,25 +36,25 @@ class MapOutcome:
     """What one way to cut leaves gave; errors are root mean squares over the mean illuminance.
 
     kind : "adaptive", "uniform", or "elements" for the row elements themselves, one value each
-    wanted : error of the direct light that was asked for; NaN for others
-    leaves, vertices : that were cut, and read
-    direct : of the direct light
-    total, flat : of all light, interpolated and with one value a leaf, the noise of the reference taken out; NaN where
-        the vertices were too many to be read
+    wanted : error that was asked for; NaN for others
+    leaves : that were cut
+    read : points at which reflected light was read
+    direct, reflected : of the direct and the reflected light
+    total, flat : of all light, interpolated and with one value a leaf; like `reflected` without the reference's noise
     half_width : root mean square of those of the vertices, over the mean
-    cut_seconds, read_seconds : CPU time
+    seconds : CPU time
     """
 
     kind: str
     wanted: float
     leaves: int
-    vertices: int
+    read: int
     direct: float
+    reflected: float
     total: float
     flat: float
     half_width: float
-    cut_seconds: float
-    read_seconds: float
+    seconds: float
 
 
 @dataclass(frozen=True)
@@ -80,17 +84,34 @@ class MapBench:
         lux = np.einsum("xe,e->x", found.astype(np.float64), lumens[scene.emitters.luminaire])
         return cls(solution, on_device, sides, truth, lux)
 
-    def adaptive(self, errors: Sequence[float], most_read: int) -> Iterator[MapOutcome]:
-        """Maps with these errors of the direct light."""
+    def adaptive(self, errors: Sequence[float]) -> Iterator[MapOutcome]:
+        """Maps of these errors."""
         for error in errors:
-            options = RefinementOptions(base_level=0, max_level=10, error=error)
-            yield self._outcome("adaptive", error, options, most_read)
+            start = time.process_time()
+            found = map_surfaces(self.solution, self.on_device, self.sides, error)
+            yield self._outcome("adaptive", error, found, time.process_time() - start)
 
-    def uniform(self, levels: int, most_read: int, light_samples: int) -> Iterator[MapOutcome]:
-        """Maps with all leaves of one level, from 0 on."""
+    def uniform(self, levels: int, most_read: int, error: float) -> Iterator[MapOutcome]:
+        """Maps with all leaves of one level, from 0 on, with the noise that an error asks for.
+
+        Reflected light is read at all of their vertices, or at those of the finest leaves of one level that have no
+        more than `most_read`, with as many paths at all.
+        """
+        goal = map_goal(picture_scene(self.solution), self.solution, self.sides, FINEST * self.on_device.scale)
+        n_paths = paths_for(self.on_device, self.solution, goal, NOISE_SHARE * error)
+        reflected = None
         for level in range(levels):
-            options = RefinementOptions(base_level=level, max_level=level, light_samples=light_samples)
-            yield self._outcome("uniform", float("nan"), options, most_read)
+            start = time.process_time()
+            options = RefinementOptions(base_level=level, max_level=level, error=error)
+            direct = VertexLight(self.on_device, self._sampled, goal, options)
+            leaves = cut_evenly(plant_leaves(goal.frames, np.isfinite(goal.size), level), level)
+            direct.evaluate(leaves, np.flatnonzero(leaves.is_leaf))
+            if reflected is None or len(direct.position) <= most_read:
+                vertices = ReflectedVertices(self.on_device, self.solution, goal, n_paths)
+                vertices.evaluate(leaves, np.flatnonzero(leaves.is_leaf))
+                reflected = vertices.finish(leaves)
+            found = joined(self.solution, direct, leaves, reflected)
+            yield self._outcome("uniform", float("nan"), found, time.process_time() - start)
 
     def elements(self, seconds: float) -> MapOutcome:
         """The row elements on these sides, one value each; `seconds` is what they took."""
@@ -103,37 +124,35 @@ class MapBench:
         error = self._error(total)
         n_rows = len(np.unique(self.solution.elements.cell_row[cells]))
         nan = float("nan")
-        return MapOutcome("elements", nan, n_rows, 0, self._direct_error(direct), error, error, nan, seconds, 0.0)
+        reflected = self._error(total - direct + self.direct)
+        return MapOutcome("elements", nan, n_rows, 0, self._direct_error(direct), reflected, error, error, nan, seconds)
 
     def _cells(self) -> NDArray[np.int64]:
         points = self.truth.points
         triangles = self.solution.scene.patches.is_triangle
         return np.maximum(locate_cells(self.solution.elements, triangles, points.side, points.u, points.v)[0], 0)
 
-    def _cut(self, options: RefinementOptions) -> tuple[ShadowLight, float]:
-        """Leaves, and the CPU seconds that they took."""
-        start = time.process_time()
-        solution = self.solution
-        goal = map_goal(picture_scene(solution), solution, self.sides, FINEST * self.on_device.scale)
-        scene = sampled_scene(solution.scene, solution.plan.weak_emitters)
-        return refine_shadows(self.on_device, scene, goal, options), time.process_time() - start
+    @property
+    def _sampled(self) -> Scene:
+        return sampled_scene(self.solution.scene, self.solution.plan.weak_emitters)
 
-    def _outcome(self, kind: str, wanted: float, options: RefinementOptions, most_read: int) -> MapOutcome:
-        shadow, cut_seconds = self._cut(options)
-        points, mean = self.truth.points, float(self.truth.lux.mean())
+    def _outcome(self, kind: str, wanted: float, found: SurfaceMap, seconds: float) -> MapOutcome:
+        points, mean, shadow = self.truth.points, float(self.truth.lux.mean()), found.shadow
         lux = np.einsum("vl,l->v", shadow.per_luminaire.astype(np.float64), _lumens(self.solution))
-        direct = SurfaceMap(self.solution, shadow, lux, np.zeros_like(lux)).at(points.side, points.u, points.v)
-        total = flat = half_width = read_seconds = float("nan")
-        if len(lux) <= most_read:
-            start = time.process_time()
-            found = read_map(self.solution, shadow)
-            read_seconds = time.process_time() - start
-            total = self._error(found.at(points.side, points.u, points.v))
-            flat = self._error(found.at(points.side, points.u, points.v, flat=True))
-            half_width = float(np.sqrt((found.half_width**2).mean())) / mean
-        leaves = int(shadow.leaves.is_leaf.sum())
-        error = self._direct_error(direct)
-        return MapOutcome(kind, wanted, leaves, len(lux), error, total, flat, half_width, cut_seconds, read_seconds)
+        direct = replace(found, lux=lux).at(points.side, points.u, points.v)
+        total = found.at(points.side, points.u, points.v)
+        return MapOutcome(
+            kind=kind,
+            wanted=wanted,
+            leaves=found.n_leaves,
+            read=0 if found.reflected is None else found.reflected.n_read,
+            direct=self._direct_error(direct),
+            reflected=self._error(total - direct + self.direct),
+            total=self._error(total),
+            flat=self._error(found.at(points.side, points.u, points.v, flat=True)),
+            half_width=float(np.sqrt((found.half_width**2).mean())) / mean,
+            seconds=seconds,
+        )
 
     def _direct_error(self, lux: NDArray[np.float64]) -> float:
         return float(np.sqrt(((lux - self.direct) ** 2).mean()) / self.truth.lux.mean())
@@ -150,6 +169,13 @@ def _lumens(solution: Solution) -> NDArray[np.float64]:
     weights = luminous_weights(solution.scene.bands)
     lamps = solution.scene.luminaires
     return np.array([np.einsum("b,b->", lamp.emission, weights) for lamp in lamps])
+
+
+def cut_evenly(leaves: Leaves, level: int) -> Leaves:
+    """All leaves split down to a level."""
+    while (coarse := np.flatnonzero(leaves.is_leaf & (leaves.level < level))).size:
+        leaves = split_leaves(leaves, coarse)
+    return leaves
 
 
 def elements_ratio(few: Sequence[MapOutcome], many: Sequence[MapOutcome], error: float, part: str) -> float:

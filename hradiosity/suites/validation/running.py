@@ -39,7 +39,7 @@ class SceneBench:
             for _ in solver.states():
                 pass
             # Without its reader, which keeps the light of all replicates on the device.
-            self._solved[job] = replace(solver.solution(), reader=None)
+            self._solved[job] = replace(solver.solution(), reader=None, reflector=None)
         return self._solved[job]
 
 
