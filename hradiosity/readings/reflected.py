@@ -1,8 +1,8 @@
 """Reflected light at many points that lie side by side: the same paths for the light of all replicates.
 
-Readings have paths of their own in every replicate, guides, and a pilot that shares them out. Where thousands of
-points serve one map, one large set of evenly spread paths tells more: the error of such a set falls with the power of
-0.6 of its number, and guides take as long as half a thousand paths.
+Readings have paths of their own in every replicate, guides, and a pilot that shares them out, which takes longer than
+the some hundred paths that a point of a map needs. The noise of a set falls with the power of 0.6 of its number, since
+its paths are evenly spread: few large sets are better than many small ones.
 """
 
 from __future__ import annotations
