@@ -64,8 +64,8 @@ HR_FORCE_INLINE hr_explicit hr_light_hit(const float3 x, const float3 n, const u
    there one value for the whole element is too coarse (corners, contacts, slots). Sides that no light was found to
    reach have no solution: there the path goes on. A path that has no place left for a further lit hit is left out and
    marked HR_LONG, to be traced again with more places, or looks the solution up all the same if `last_chance` is set.
-   With HR_GUIDED the first directions follow the light that was found before, and paths weigh accordingly; with
-   HR_RESPONSE they also weigh as the readings' responses say. */
+   With HR_GUIDED the first directions follow the light that was found before (2: some parts are cut finer), and paths
+   weigh accordingly; with HR_RESPONSE they also weigh as the readings' responses say. */
 __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const float *position,       /* (n_points, 3) [m]                             */
                           __global const float *normal,         /* (n_points, 3) unit                            */
@@ -77,6 +77,9 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
                           __global const float *row_direct,     /* (n_rows, n_emitters) of each element          */
                           __global const uchar *row_sight,      /* (n_rows, n_emitters) HR_SIGHT_…               */
                           __global const float *guide,          /* (n_points, HR_GUIDE_ENTRIES), with HR_GUIDED  */
+                          __global const uint *guide_first,     /* (n_points + 1,) into the blocks of the guide  */
+                          __global const uint *guide_key,       /* (n_blocks,) see hr_fine_guide, with HR_GUIDED 2 */
+                          __global const float *guide_block,    /* (n_blocks, HR_GUIDE_BLOCK_ENTRIES)            */
                           __global const float *response,       /* (n_points, HR_RESPONSE_ENTRIES), with HR_RESPONSE */
                           __global const uint *path_number,     /* (n_paths,) n_samples point + sample           */
                           __global uint *path_paint,            /* (n_paths, HR_LIT_HITS) at the lit hits, or NONE */
@@ -97,8 +100,12 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     const size_t first = (size_t)i * HR_LIT_HITS;
     float3 n = hr_load3(normal, point);
     float3 start = (float3)(hr_sample(k, 0, point_seed), hr_sample(k, 1, point_seed), 1.0f);
-#if HR_GUIDED
+#if HR_GUIDED == 1
     start = hr_guide(guide + (size_t)point * HR_GUIDE_ENTRIES, start.x, start.y);
+#elif HR_GUIDED == 2
+    const uint block = guide_first[point];
+    start = hr_fine_guide(guide + (size_t)point * HR_GUIDE_ENTRIES, guide_key + block, guide_first[point + 1] - block,
+                          guide_block + (size_t)block * HR_GUIDE_BLOCK_ENTRIES, start.x, start.y);
 #endif
     path_weight[i] = start.z;
     float3 d = hr_cosine_direction(n, start.x, start.y);

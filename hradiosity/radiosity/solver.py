@@ -247,7 +247,7 @@ class RadiositySolver:
     def _load(self, kept: Mapping[str, NDArray[Any]]) -> Mapping[str, float]:
         """Put the moments and the record back; returns the other numbers."""
         effort = part_of(kept, "effort")
-        self._effort = Effort(**effort) if effort else None
+        self._effort = Effort.of_arrays(effort) if effort else None
         self._twins.restore(part_of(kept, "twins"))
         self._readings.restore(part_of(kept, "readings"))
         self._accuracies = None

@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields, replace
-from functools import cached_property
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.readings.guide import guide_shares, guide_tables
+from hradiosity.readings.guide import Guides
+from hradiosity.readings.guide_pilot import make_guides
+from hradiosity.readings.interval import part_of
 from hradiosity.readings.path_tracing import PathRules, reflected_light, trace_paths, upload_points
+from hradiosity.readings.pilot_light import PilotLight, brightness_met
 from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
@@ -18,7 +21,7 @@ from hradiosity.transport.direct import direct_at_points
 PILOT_PATHS = 64
 PILOT_LIGHT_SAMPLES, LEAST_LIGHT_SAMPLES, ALL_LIGHT_SAMPLES = 64, 4, 512
 """Shadow rays of the pilot to each emitter; less to each of many, so that there are about so many to all of them."""
-GUIDED_AT_ONCE = 8192
+GUIDED_AT_ONCE = 1024
 """Readings whose guides are made at a time."""
 DARK_SHARE = 0.05
 """Readings darker than this share of the mean count as that bright: their relative error matters less."""
@@ -42,21 +45,26 @@ class Effort:
 
     light : (n, n_emitters) int64, shadow rays
     gather : (n,) int64, paths
-    guide : (n, parts) float32, share of the paths that start in each part of the hemisphere; no parts: evenly
+    guide : Guides, of n readings, in which directions paths start
     lookup : (n,) int64, first hit of a path at which the solution may be looked up
     """
 
     light: NDArray[np.int64]
     gather: NDArray[np.int64]
-    guide: NDArray[np.float32]
+    guide: Guides
     lookup: NDArray[np.int64]
 
     @classmethod
     def even(cls, shape: tuple[int, int], light: int, gather: int, lookup: int) -> Effort:
         """The same for all readings, (n, n_emitters) of them."""
         n = shape[0]
-        guide = np.zeros((n, 0), np.float32)
-        return cls(np.full(shape, light, np.int64), np.full(n, gather), guide, np.full(n, lookup))
+        return cls(np.full(shape, light, np.int64), np.full(n, gather), Guides.even(n), np.full(n, lookup))
+
+    @classmethod
+    def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Effort:
+        """From `arrays`."""
+        guide = Guides(**part_of(arrays, "guide"))
+        return cls(arrays["light"], arrays["gather"], guide, arrays["lookup"])
 
     def focused(self, focus: NDArray[np.float64]) -> Effort:
         """So many times the samples (n,), in steps of a factor 2; the same if there are no entries."""
@@ -76,7 +84,7 @@ class Effort:
 
     def some(self, chosen: NDArray[np.int64]) -> Effort:
         """That of some of the readings."""
-        return Effort(**{name: array[chosen] for name, array in self.arrays.items()})
+        return Effort(self.light[chosen], self.gather[chosen], self.guide.some(chosen), self.lookup[chosen])
 
     @property
     def rays(self) -> int:
@@ -86,12 +94,8 @@ class Effort:
     @property
     def arrays(self) -> dict[str, NDArray[Any]]:
         """What it is made of, by name."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
-
-    @cached_property
-    def tables(self) -> NDArray[np.float32] | None:
-        """Of the guide, as kernels take them; None without one."""
-        return guide_tables(self.guide) if self.guide.shape[1] else None
+        guide = {f"guide/{name}": array for name, array in vars(self.guide).items()}
+        return {"light": self.light, "gather": self.gather, "lookup": self.lookup, **guide}
 
 
 def plan_effort(
@@ -129,25 +133,34 @@ def plan_effort(
     direct = direct_at_points(scene, position, normal, pilot, seed, response=response)
     arriving = direct.astype(np.float64) * brightness
     points = upload_points(scene, position, normal, response)
-    shares = np.concatenate(
+    bright, other = brightness_met(scene, elements, light), arriving.sum(axis=1)
+    some = [slice(first, first + GUIDED_AT_ONCE) for first in range(0, n, GUIDED_AT_ONCE)]
+    guide = Guides.joined(
         [
-            guide_shares(scene, elements, light, upload_points(scene, position[part], normal[part]), seed + part.start)
-            for part in (slice(first, first + GUIDED_AT_ONCE) for first in range(0, n, GUIDED_AT_ONCE))
+            make_guides(
+                PilotLight(
+                    scene, elements, upload_points(scene, position[part], normal[part]), bright, seed + part.start
+                ),
+                other[part],
+                gather_samples,
+            )
+            for part in some
         ]
     )
-    guide = scene.device.upload(guide_tables(shares))
-    paths = trace_paths(scene, elements, light, points, PILOT_PATHS, seed, rules, guide=guide, last_chance=True)
+    paths = trace_paths(
+        scene, elements, light, points, PILOT_PATHS, seed, rules, guide=guide.upload(scene.device), last_chance=True
+    )
     _, sums = reflected_light(scene, paths, light)
     mean = sums[:, 0].astype(np.float64) / PILOT_PATHS
     variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)
-    total = arriving.sum(axis=1) + mean
+    total = other + mean
     total = np.maximum(total, DARK_SHARE * total.mean())
     penumbra = np.sqrt(_partial(scene, position, normal, direct, pilot, seed, response)) * brightness
     relative = np.divide(1.0, total, out=np.zeros(n), where=total > 0.0)
     shadow_rays, n_paths = Split(gather_samples, light_samples).shared(
         STRATIFIED * penumbra * relative[:, None], np.sqrt(variance) * relative
     )
-    return Effort(shadow_rays, n_paths, shares, np.full(n, rules.lookup))
+    return Effort(shadow_rays, n_paths, guide, np.full(n, rules.lookup))
 
 
 def _partial(

@@ -1,82 +1,94 @@
-"""Where the light of a reading comes from: one ray to each part of its hemisphere, and the solution where it ends.
-
-Paths then start in proportion to that light. A room that gets its light through a gap, or a sky seen through a small
-window, is found by chance alone otherwise.
-"""
+"""In which directions the paths of readings start: shares of the parts of a hemisphere, some of which are cut finer."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.readings.path_tracing import Points
-from hradiosity.readings.surface_light import SurfaceLight
-from hradiosity.space.hierarchy import SKY, UNLIT
-from hradiosity.transport.device_scene import DeviceElements, DeviceScene
+from hradiosity.device.device import Device, DeviceArray
 
 LEVELS: Final = 5
 SIDE: Final = 2**LEVELS
 """Parts along each edge of the square that stands for the hemisphere; as in ``cl/include/hr_guide.h``."""
-EVEN_SHARE: Final = 0.25
-"""Part of the paths that start evenly, so that none counts more than four times."""
+ACROSS: Final = 4
+"""Parts along each edge of a block, into which a part may be cut; as in ``cl/include/hr_guide.h``."""
 
 
-def met_rows(scene: DeviceScene, elements: DeviceElements, points: Points, seed: int) -> NDArray[np.uint32]:
-    """(n_points, SIDE²) row element, or outcome, that one ray to each part of the hemisphere ends on."""
-    device = scene.device
-    row = device.empty((points.n, SIDE * SIDE), np.uint32)
-    device.kernel("guide", "trace_guide")(
-        points.n * SIDE * SIDE,
-        **scene.geometry,
-        **elements.cells,
-        position=points.position,
-        normal=points.normal,
-        patch_solid=scene.solid,
-        met_row=row,
-        seed=seed,
-        scale=scene.scale,
-    )
-    met: NDArray[np.uint32] = device.fetch(row)
-    return met
+@dataclass(frozen=True)
+class Guides:
+    """Shares of the paths that start in each part of the hemisphere, for some readings.
 
-
-def guide_shares(
-    scene: DeviceScene, elements: DeviceElements, light: SurfaceLight, points: Points, seed: int
-) -> NDArray[np.float32]:
-    """(n_points, SIDE²) share of the paths that start in each part of the hemisphere, by rows; sums are 1.
-
-    The light found in a part is averaged with that of its neighbours, since one ray says little about edges.
+    share : (n, SIDE²) float32, of the parts, by rows, with the sum 1; (n, 0): evenly
+    blocks : (n,) int64, blocks of each reading; they follow one another
+    key : (n_blocks,) uint32, which part each is, ascending for each reading: its number, or from SIDE² on that of a
+        part of the square cut ACROSS times as fine
+    block : (n_blocks, ACROSS²) float32, shares of its parts, whose sum is the share of what is cut
     """
-    device = scene.device
-    found = met_rows(scene, elements, points, seed)
-    weight = device.fetch(light.weight).astype(np.float64)
-    n_rows = len(elements.elements)
-    of_rows = device.fetch(light.reflected) @ weight if n_rows else np.zeros(0)
-    bright = np.append(of_rows, [0.0, device.fetch(light.sky) @ weight])
-    place = np.where(found < UNLIT, found, np.where(found == SKY, n_rows + 1, n_rows)).astype(np.int64)
-    return shares_of(bright[place])
+
+    share: NDArray[np.float32]
+    blocks: NDArray[np.int64]
+    key: NDArray[np.uint32]
+    block: NDArray[np.float32]
+
+    @classmethod
+    def of_parts(cls, share: NDArray[np.float32]) -> Guides:
+        """With nothing cut."""
+        n = len(share)
+        return cls(share, np.zeros(n, np.int64), np.zeros(0, np.uint32), np.zeros((0, ACROSS**2), np.float32))
+
+    @classmethod
+    def even(cls, n: int) -> Guides:
+        """All directions alike."""
+        return cls.of_parts(np.zeros((n, 0), np.float32))
+
+    @classmethod
+    def joined(cls, some: list[Guides]) -> Guides:
+        """Of readings that follow one another."""
+        names = "share", "blocks", "key", "block"
+        return cls(*(np.concatenate([getattr(guides, name) for guides in some]) for name in names))
+
+    def some(self, chosen: NDArray[np.int64]) -> Guides:
+        """Those of some of the readings."""
+        blocks = self.blocks[chosen]
+        ends = np.cumsum(blocks)
+        before = np.repeat((np.cumsum(self.blocks) - self.blocks)[chosen] - (ends - blocks), blocks)
+        rows = before + np.arange(len(before))
+        return Guides(self.share[chosen], blocks, self.key[rows], self.block[rows])
+
+    def upload(self, device: Device) -> DeviceGuides | None:
+        """On the device; None if all directions are alike."""
+        if not self.share.shape[1]:
+            return None
+        arguments = {"guide": device.upload(guide_tables(self.share, SIDE))}
+        if len(self.key):
+            first = np.concatenate([[0], np.cumsum(self.blocks)])
+            arguments["guide_first"] = device.upload(first, np.uint32)
+            arguments["guide_key"] = device.upload(self.key)
+            arguments["guide_block"] = device.upload(guide_tables(self.block, ACROSS))
+        return DeviceGuides(arguments)
 
 
-def shares_of(brightness: NDArray[np.float64]) -> NDArray[np.float32]:
-    """Shares (n, SIDE²) for the brightness found in the parts; even where none was found."""
-    n = len(brightness)
-    padded = np.pad(brightness.reshape(n, SIDE, SIDE), ((0, 0), (1, 1), (1, 1)), mode="edge")
-    rows = padded[:, :-2] + padded[:, 1:-1] + padded[:, 2:]
-    blurred = (rows[:, :, :-2] + rows[:, :, 1:-1] + rows[:, :, 2:]).reshape(n, -1)
-    total = blurred.sum(axis=1, keepdims=True)
-    even = 1.0 / (SIDE * SIDE)
-    share = np.divide(blurred, total, out=np.full_like(blurred, even), where=total > 0.0)
-    mixed: NDArray[np.float32] = ((1.0 - EVEN_SHARE) * share + EVEN_SHARE * even).astype(np.float32)
-    return mixed
+@dataclass(frozen=True)
+class DeviceGuides:
+    """Guides on the device, by the names of the kernel's arguments; those of blocks only if something is cut."""
+
+    arguments: Mapping[str, DeviceArray]
+
+    @property
+    def kind(self) -> int:
+        """What ``HR_GUIDED`` is for them."""
+        return 2 if "guide_block" in self.arguments else 1
 
 
-def guide_tables(shares: NDArray[np.float32]) -> NDArray[np.float32]:
-    """(n, 4 + 16 + … + SIDE²) shares of all levels, coarse ones first, as ``hr_guide`` takes them."""
-    n = len(shares)
-    levels = [shares.astype(np.float64).reshape(n, SIDE, SIDE)]
+def guide_tables(share: NDArray[np.float32], side: int) -> NDArray[np.float32]:
+    """(n, 4 + 16 + … + side²) shares (n, side²) of all levels, coarse ones first."""
+    n = len(share)
+    levels = [share.astype(np.float64).reshape(n, side, side)]
     while levels[0].shape[1] > 2:
         half = levels[0].shape[1] // 2
         levels.insert(0, levels[0].reshape(n, half, 2, half, 2).sum(axis=(2, 4)))
-    return np.concatenate([level.reshape(n, -1) for level in levels], axis=1).astype(np.float32)
+    return np.concatenate([level.reshape(n, level.shape[1] ** 2) for level in levels], axis=1).astype(np.float32)

@@ -8,8 +8,8 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.readings.guide import met_rows
 from hradiosity.readings.path_tracing import upload_points
+from hradiosity.readings.pilot_light import met_rows
 from hradiosity.space.hierarchy import UNLIT
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device.device import DeviceArray
+from hradiosity.readings.guide import DeviceGuides
 from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
@@ -95,15 +96,14 @@ def trace_paths(
     seed: int,
     rules: PathRules,
     *,
-    guide: DeviceArray | None = None,
+    guide: DeviceGuides | None = None,
     only: NDArray[np.int64] | None = None,
     last_chance: bool = False,
 ) -> PathSamples:
     """Trace `n_samples` paths from each point, or those of them whose numbers are in `only` with room for more hits.
 
     A path that meets more hits than it has room for is left out and marked LONG; with `last_chance` it looks the
-    solution up at the last of them instead. First directions follow the `guide`, tables of
-    `hradiosity.readings.guide` on the device, if there is one.
+    solution up at the last of them instead. First directions follow the `guide`, if there is one.
     """
     device = scene.device
     number = np.arange(points.n * n_samples, dtype=np.uint32) if only is None else only.astype(np.uint32)
@@ -113,7 +113,16 @@ def trace_paths(
     row = device.empty((len(number),), np.uint32)
     weight = device.empty((len(number),), np.float32)
     weighing = {} if points.response is None else {"HR_RESPONSE": 1}
-    device.kernel("paths", "trace_paths", HR_LIT_HITS=lit_hits, HR_GUIDED=int(guide is not None), **weighing)(
+    path_number = device.upload(number)
+    guided = 0 if guide is None else guide.kind
+    directions = {
+        "guide": light.weight,
+        "guide_first": path_number,
+        "guide_key": path_number,
+        "guide_block": light.weight,
+        **({} if guide is None else guide.arguments),
+    }
+    device.kernel("paths", "trace_paths", HR_LIT_HITS=lit_hits, HR_GUIDED=guided, **weighing)(
         len(number),
         **scene.geometry,
         **elements.cells,
@@ -126,9 +135,9 @@ def trace_paths(
         emitter_choice=light.emitter_choice,
         row_direct=light.row_direct,
         row_sight=elements.sight(scene),
-        guide=light.weight if guide is None else guide,
+        **directions,
         response=points.position if points.response is None else points.response,
-        path_number=device.upload(number),
+        path_number=path_number,
         path_paint=paint,
         path_emitter=emitter,
         path_gain=gain,

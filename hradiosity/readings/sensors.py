@@ -8,8 +8,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.device.device import DeviceArray
 from hradiosity.readings.effort import Effort
+from hradiosity.readings.guide import DeviceGuides
 from hradiosity.readings.path_tracing import (
     PathRules,
     PathSamples,
@@ -78,13 +78,12 @@ def read_points(
     irradiance = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
     enclosed, some_row = np.zeros(n), np.full(n, -1)
     change = np.zeros((n, used))
-    guide = effort.tables
     for part, count, lookup in _batches(effort):
         batch_seed = (seed + int(part[0])) & 0xFFFFFFFF
         points = upload_points(scene, position[part], normal[part], None if response is None else response[part])
-        tables = None if guide is None else scene.device.upload(guide[part])
+        guide = effort.guide.some(part).upload(scene.device)
         its_rules = replace(rules, lookup=lookup)
-        gathered = _gather(scene, elements, light, points, count, batch_seed, its_rules, tables)
+        gathered = _gather(scene, elements, light, points, count, batch_seed, its_rules, guide)
         irradiance[part] += gathered.irradiance[:, :used]
         enclosed[part], some_row[part] = gathered.enclosed, gathered.some_row
         if gathered.change is not None:
@@ -100,7 +99,7 @@ def _gather(
     count: int,
     seed: int,
     rules: PathRules,
-    guide: DeviceArray | None,
+    guide: DeviceGuides | None,
 ) -> ReadingSamples:
     """Reflected light by `count` paths each; arrays with (n_points, 8 n_groups) columns."""
     paths = trace_paths(scene, elements, light, points, count, seed, rules, guide=guide)

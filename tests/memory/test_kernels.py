@@ -18,9 +18,10 @@ from hradiosity.planning import make_plan
 from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.readings.effort import Effort
-from hradiosity.readings.guide import guide_shares
+from hradiosity.readings.guide_pilot import make_guides
 from hradiosity.readings.path_tracing import PathRules, upload_points
 from hradiosity.readings.paths import trace_referee
+from hradiosity.readings.pilot_light import PilotLight, brightness_met
 from hradiosity.readings.sensors import read_points
 from hradiosity.show.camera import trace_view
 from hradiosity.show.image import gather_image
@@ -93,14 +94,16 @@ def test_a_replicate(device, bands):
     light = solver.replicate(1)
     sensor, few = scene.sensors[0], np.array([4, 2])
     points = upload_points(solver.on_device, sensor.position, sensor.normal)
-    shares = guide_shares(solver.on_device, solver.on_device_elements, light, points, seed=1)
+    place = solver.on_device, solver.on_device_elements
+    guides = make_guides(PilotLight(*place, points, brightness_met(*place, light), 1), np.zeros(2), 512)
+    assert len(guides.key) > 0
     samples = read_points(
         solver.on_device,
         solver.on_device_elements,
         light,
         sensor.position,
         sensor.normal,
-        Effort(np.column_stack([few] * solver.on_device.n_emitters), few, shares, np.array([1, 3])),
+        Effort(np.column_stack([few] * solver.on_device.n_emitters), few, guides, np.array([1, 3])),
         rules=PathRules(1, 0.5, 1.0),
         seed=1,
     )
