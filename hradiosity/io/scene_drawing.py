@@ -17,6 +17,8 @@ from hradiosity.space.cells import place_corners
 
 MOST_DIRECTIONS: Final = 64
 """Directions of patches for which it is found out whether anything lies behind; backs of all others are shown."""
+_SAME_FACING: Final = 2.0**-20
+"""Of unit normals."""
 _LEVEL: Final = 1e-6
 """How far behind a patch something must lie to count, over the size of the scene."""
 
@@ -102,11 +104,14 @@ def _seen_backs(patches: Patches) -> NDArray[np.bool_]:
     normal, corners = patches.normal, patches.corners().reshape(-1, 3)
     low, high = patches.bounds()
     size = float(np.linalg.norm(high - low))
-    unlike, number = np.unique(np.round(normal, 6), axis=0, return_inverse=True)
-    often = np.argsort(-np.bincount(number[seen], minlength=len(unlike)), kind="stable")[:MOST_DIRECTIONS]
-    farthest = np.full(len(unlike), -np.inf)
+    steps = np.rint(normal / _SAME_FACING).astype(np.int64) @ np.array([1, 1 << 21, 1 << 42])
+    _, first, number = np.unique(steps, return_index=True, return_inverse=True)
+    often = np.argsort(-np.bincount(number[seen], minlength=len(first)), kind="stable")[:MOST_DIRECTIONS]
+    farthest = np.full(len(first), -np.inf)
+    x, y, z = np.ascontiguousarray(corners.T)
     for direction in often:
-        farthest[direction] = float(np.einsum("nk,k->n", corners, unlike[direction]).min())
+        a, b, c = normal[first[direction]]
+        farthest[direction] = float((a * x + b * y + c * z).min())
     own = np.einsum("nk,nk->n", patches.origin, normal)
     behind: NDArray[np.bool_] = seen & (farthest[number] < own - _LEVEL * size)
     return behind

@@ -6,7 +6,7 @@ from typing import Final, get_args
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.io.scene.frame import Frame, rotation
+from hradiosity.io.scene.frame import Frame, rotations
 from hradiosity.io.scene.lines import Location
 from hradiosity.io.scene.names import Names
 from hradiosity.io.scene.pieces import Piece, select
@@ -112,7 +112,7 @@ def _corners_and_edges(
     size = np.abs(extent)
     # Turning y up reverses an axis, so the lowest corner of the file need not be the lowest one here.
     lowest = np.where(is_corner, np.minimum(pivot, pivot + extent), pivot - 0.5 * size)
-    turn = np.array([_turn(box, ("box", i), frame, report) for i, box in enumerate(boxes)]).reshape(-1, 3, 3)
+    turn = _turns(boxes, frame, report)
     corner = _turned(turn, (lowest - pivot)[:, None] + _UNIT_CUBE[:, 0] * size[:, None]) + pivot[:, None]
     return corner, _turned(turn, _UNIT_CUBE[:, 1] * size[:, None]), _turned(turn, _UNIT_CUBE[:, 2] * size[:, None])
 
@@ -122,10 +122,17 @@ def _turned(turn: NDArray[np.float64], vectors: NDArray[np.float64]) -> NDArray[
     return np.asarray(np.einsum("nij,nfj->nfi", turn, vectors))
 
 
-def _turn(box: BoxTable, location: Location, frame: Frame, report: Report) -> NDArray[np.float64]:
-    """(3, 3) rotation of a box."""
-    axis = np.array([0.0, 0.0, 1.0]) if box.rotation_axis is None else frame.directions(box.rotation_axis)
-    if not axis.any():
-        report.fault((*location, "rotation_axis"), "[0, 0, 0] has no direction", "a vector with a length")
-        return np.eye(3)
-    return np.eye(3) if box.rotation_deg == 0.0 else rotation(axis, box.rotation_deg)
+def _turns(boxes: Sequence[BoxTable], frame: Frame, report: Report) -> NDArray[np.float64]:
+    """(n, 3, 3) rotations of boxes."""
+    upright = (0.0, 0.0, 1.0)
+    given = np.array([box.rotation_axis or upright for box in boxes], np.float64).reshape(-1, 3)
+    own = np.array([box.rotation_axis is not None for box in boxes], np.bool_)
+    axis = np.where(own[:, None], frame.directions(given), upright)
+    angle = np.array([box.rotation_deg for box in boxes], np.float64)
+    pointless = ~axis.any(axis=1)
+    for i in np.flatnonzero(pointless):
+        report.fault(("box", int(i), "rotation_axis"), "[0, 0, 0] has no direction", "a vector with a length")
+    still = pointless | (angle == 0.0)
+    turn = np.tile(np.eye(3), (len(boxes), 1, 1))
+    turn[~still] = rotations(axis[~still], angle[~still])
+    return turn

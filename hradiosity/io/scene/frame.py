@@ -38,9 +38,19 @@ class Frame:
 
 def rotation(axis: Sequence[float] | NDArray[np.float64], angle_deg: float) -> NDArray[np.float64]:
     """(3, 3) right-handed rotation about an axis (any length but 0) by an angle in degrees (Rodrigues' formula)."""
-    x, y, z = np.asarray(axis, dtype=np.float64) / np.linalg.norm(axis)
-    cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
+    turn: NDArray[np.float64] = rotations(np.asarray(axis, np.float64)[None], np.array([angle_deg]))[0]
+    return turn
+
+
+def rotations(axis: NDArray[np.float64], angle_deg: NDArray[np.float64]) -> NDArray[np.float64]:
+    """(n, 3, 3) right-handed rotations about axes (n, 3) by angles (n,) in degrees; see `rotation`."""
+    x, y, z = (axis / np.linalg.norm(axis, axis=1, keepdims=True)).T
+    none = np.zeros_like(x)
+    cross = np.array([[none, -z, y], [z, none, -x], [-y, x, none]]).transpose(2, 0, 1)
     angle = np.radians(angle_deg)
     # A quarter turn shall keep axis-parallel faces axis-parallel to the last bit.
-    sine, cosine = (0.0 if abs(value) < 1e-15 else value for value in (np.sin(angle), np.cos(angle)))
-    return np.asarray(np.eye(3) + sine * cross + (1.0 - cosine) * (cross @ cross))
+    sine, cosine = (
+        np.where(np.abs(value) < 1e-15, 0.0, value)[:, None, None] for value in (np.sin(angle), np.cos(angle))
+    )
+    turned: NDArray[np.float64] = np.eye(3) + sine * cross + (1.0 - cosine) * np.einsum("nij,njk->nik", cross, cross)
+    return turned

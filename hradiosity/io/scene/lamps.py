@@ -73,6 +73,7 @@ def read_lamps(
     _report_unused(names, uses, report)
     kinds: list[tuple[_Use, Luminaire]] = []
     patch, position, kind_of = [], [], []
+    middle = surfaces.patches.centroid
     for use in uses:
         lamp = lamps[use.lamp]
         if lamp is None:
@@ -82,7 +83,7 @@ def read_lamps(
             kinds.append((use, _luminaire(lamp, use, report)))
         is_point = len(use.patches) == 0
         patch.append(np.array([NONE]) if is_point else use.patches)
-        position.append(use.position[None] if is_point else surfaces.patches.centroid[use.patches])
+        position.append(use.position[None] if is_point else middle[use.patches])
         kind_of.append(np.full(len(patch[-1]), number))
     emitters = Emitters(
         np.concatenate([np.zeros(0), *patch]).astype(np.int32),

@@ -1,6 +1,7 @@
 """Where an entry stands in a TOML file: the parser gives no positions, so the text is searched for its keys."""
 
 import re
+from functools import lru_cache
 
 Location = tuple[str | int, ...]
 
@@ -9,6 +10,7 @@ _KEY = re.compile(r"^\s*((?:[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*')(?:\s*\.\s*(?:[A-Z
 _PART = re.compile(r"[A-Za-z0-9_-]+|\"[^\"]*\"|'[^']*'")
 
 
+@lru_cache(maxsize=1024)
 def _parts(dotted: str) -> Location:
     return tuple(part.strip("\"'") for part in _PART.findall(dotted))
 

@@ -2,6 +2,7 @@
 
 import difflib
 from collections.abc import Iterable
+from functools import cached_property
 from pathlib import Path
 
 from hradiosity.errors import Fault, SceneError
@@ -47,9 +48,14 @@ class Report:
     def __init__(self, path: Path, text: str) -> None:
         self.path = path
         self.notes: list[Note] = []
-        self._lines = find_lines(text)
+        self._text = text
         self._faults: list[tuple[int, Fault]] = []
         self._numbers: dict[str, list[int]] = {}
+
+    @cached_property
+    def _lines(self) -> dict[Location, int]:
+        """Where entries stand: only asked for where there is something to say of one."""
+        return find_lines(self._text)
 
     @property
     def faults(self) -> tuple[Fault, ...]:

@@ -23,6 +23,7 @@ from hradiosity.show.window.marks import lamp_lines, scene_size, sensor_lines, s
 from hradiosity.show.window.navigation import Pose, overview
 from hradiosity.show.window.outlines import edge_flags, element_levels
 from hradiosity.show.window.subject import Subject
+from hradiosity.show.window.vertices import swollen
 
 MOST_SPECTRA: Final = 30_000
 """Elements whose spectra go into the page; of more, it would take tens of megabytes."""
@@ -57,7 +58,6 @@ def page_data(subject: Subject, look: Look, pose: Pose, title: str) -> dict[str,
     bright = Look(stops=look.stops)
     modes = [mode for mode in MODES if mode not in ("wireframe", "false-color")]
     colours = {mode: packed(subject.paint(Look(mode=mode, stops=look.stops)).colours) for mode in modes}
-    corners = cells.corners
     whole = overview(*cells.bounds, 1.6)
     data: dict[str, Any] = {
         "title": title,
@@ -68,7 +68,7 @@ def page_data(subject: Subject, look: Look, pose: Pose, title: str) -> dict[str,
         "size": size,
         "pose": _pose(pose),
         "overview": _pose(whole),
-        "position": packed(corners.astype(np.float32)),
+        "position": packed(swollen(cells).astype(np.float32)),
         "triangle": packed(cells.is_triangle.astype(np.uint8)),
         "outline": packed(edge_flags(cells, 0)),
         "colours": colours,

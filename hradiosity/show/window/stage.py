@@ -12,6 +12,7 @@ from hradiosity.show.window.marks import Lines
 from hradiosity.show.window.navigation import Pose
 from hradiosity.show.window.picking import CutPlane
 from hradiosity.show.window.subject import Paint
+from hradiosity.show.window.vertices import swollen
 
 Colour = tuple[float, float, float]
 SKY_BLUE: Final[Colour] = (0.337, 0.706, 0.914)
@@ -41,7 +42,7 @@ class SurfaceActor:
         count = np.where(cells.is_triangle, 3, 4)
         number = np.arange(4 * len(cells)).reshape(-1, 4)
         used = number[np.arange(4) < count[:, None]]
-        self._mesh = mesh_of(cells.corners.reshape(-1, 3), polygons=(used, count))
+        self._mesh = mesh_of(swollen(cells).reshape(-1, 3), polygons=(used, count))
         self._actor = _surface(self._mesh)
         self._actor.GetProperty().BackfaceCullingOn()
         self._behind = _surface(self._mesh)
@@ -62,15 +63,11 @@ class SurfaceActor:
             self._renderer.RemoveActor(actor)
 
     def paint(self, paint: Paint) -> None:
-        """Show colours."""
-        colours = _array(paint.colours.reshape(-1, 3), "colours")
+        """Show colours. Cells, too, have them at their corners: colours of cells are looked up for every pixel."""
+        at_corners = paint.colours if paint.at_corners else np.repeat(paint.colours[:, None], 4, axis=1)
         mapper = self._actor.GetMapper()
-        data = self._mesh.GetPointData() if paint.at_corners else self._mesh.GetCellData()
-        data.AddArray(colours)
-        if paint.at_corners:
-            mapper.SetScalarModeToUsePointFieldData()
-        else:
-            mapper.SetScalarModeToUseCellFieldData()
+        self._mesh.GetPointData().AddArray(_array(at_corners.reshape(-1, 3), "colours"))
+        mapper.SetScalarModeToUsePointFieldData()
         mapper.SelectColorArray("colours")
         mapper.SetColorModeToDirectScalars()
         mapper.ScalarVisibilityOn()

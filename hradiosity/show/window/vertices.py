@@ -1,4 +1,4 @@
-"""Values at corners that cells share, for smooth shading."""
+"""Corners of cells: what they share for smooth shading, and where they are drawn."""
 
 from __future__ import annotations
 
@@ -12,6 +12,9 @@ from hradiosity.io.drawn_scene import Cells, Light
 _SAME_PLACE: Final = 1e-6
 """Corners nearer than this, over the size of the scene, are one."""
 _SAME_NORMAL: Final = 1e-3
+_HAIR: Final = 2e-5
+"""Over the size of the scene: a thirtieth of a pixel, and more than screen coordinates are rounded by."""
+_MOST_OF_EDGE: Final = 0.05
 _OFFSET: Final = 0.381966
 """Of the grid on which corners are told apart: round coordinates do not lie between two of its places."""
 
@@ -67,4 +70,21 @@ def _mixed(keys: NDArray[np.int64]) -> NDArray[np.uint64]:
         out = (out ^ (out >> np.uint64(30))) * np.uint64(0xBF58476D1CE4E5B9)
         out = (out ^ (out >> np.uint64(27))) * np.uint64(0x94D049BB133111EB)
         out ^= out >> np.uint64(31)
+    return out
+
+
+def swollen(cells: Cells) -> NDArray[np.float64]:
+    """(n, 4, 3) corners, a hair farther out: else the ground shines through where a corner lies on another's edge."""
+    corners = cells.corners
+    count = np.where(cells.is_triangle, 3, 4)[:, None]
+    turn = np.arange(4)
+    rows = np.arange(len(cells))[:, None]
+    after = corners[rows, (turn + 1) % count] - corners
+    before = corners[rows, (np.minimum(turn, count - 1) - 1) % count] - corners
+    after[cells.is_triangle, 3] = after[cells.is_triangle, 2]
+    lengths = [np.linalg.norm(edge, axis=2, keepdims=True) for edge in (after, before)]
+    outwards = sum(-edge / np.maximum(length, 1e-300) for edge, length in zip((after, before), lengths, strict=True))
+    shortest = lengths[0].min(axis=1, keepdims=True)
+    hair = np.minimum(_HAIR * float(np.linalg.norm(np.subtract(*cells.bounds))), _MOST_OF_EDGE * shortest)
+    out: NDArray[np.float64] = corners + hair * outwards
     return out

@@ -15,6 +15,7 @@ from hradiosity.show.window.look import Look
 from hradiosity.show.window.navigation import overview
 from hradiosity.show.window.page import page_bytes, page_data
 from hradiosity.show.window.subject import Choices, Subject
+from hradiosity.show.window.vertices import swollen
 
 POSE = overview(np.zeros(3), np.array([3.0, 2.0, 2.5]), 1.5)
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
@@ -43,7 +44,7 @@ def test_the_page_holds_the_result(subject):
     data = page_data(subject, Look(), POSE, "room")
     cells, values = subject.cells, subject.values
     assert data["count"] == len(cells) and not data["lines"]
-    np.testing.assert_allclose(unpacked(data["position"], "f4"), cells.corners.ravel(), rtol=1e-6, atol=1e-6)
+    np.testing.assert_allclose(unpacked(data["position"], "f4"), swollen(cells).ravel(), rtol=1e-6, atol=1e-6)
     np.testing.assert_allclose(
         unpacked(data["values"]["illuminance"], "f4"), values.smooth.illuminance.ravel(), rtol=1e-6
     )

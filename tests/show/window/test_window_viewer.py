@@ -1,6 +1,5 @@
 """Keys and buttons without a display, and ``hradiosity view`` on the command line."""
 
-import ctypes.util
 import shutil
 import sys
 from dataclasses import replace
@@ -9,6 +8,7 @@ from itertools import combinations
 import numpy as np
 import pytest
 from PIL import Image
+from window_room import NEEDS_GL
 
 from hradiosity.cli import main
 from hradiosity.cli.watching import light_of
@@ -23,10 +23,6 @@ from hradiosity.show.window.picking import pick
 from hradiosity.show.window.standpoints import camera_pose
 from hradiosity.show.window.subject import Choices, Subject
 
-NEEDS_GL = pytest.mark.skipif(
-    sys.platform.startswith("linux") and ctypes.util.find_library("EGL") is None,
-    reason="drawing without a display needs libEGL (libegl1 and libgl1-mesa-dri in Debian)",
-)
 SIZE = (480, 360)
 
 

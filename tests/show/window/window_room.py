@@ -1,9 +1,17 @@
 """A small room, solved and written to disk, for the tests of the window."""
 
+import ctypes.util
+import sys
+
+import pytest
 from small_room import SHELL
 
 from hradiosity.options import Options
 
+NEEDS_GL = pytest.mark.skipif(
+    sys.platform.startswith("linux") and ctypes.util.find_library("EGL") is None,
+    reason="drawing without a display needs libEGL (libegl1 and libgl1-mesa-dri in Debian)",
+)
 ROOM = f"""
 [scene]
 title = "Window <room>"
