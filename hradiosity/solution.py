@@ -57,6 +57,10 @@ class ReflectedLux:
     noise: NDArray[np.float64]
     half_width: NDArray[np.float64]
 
+    def widened(self, factor: float) -> ReflectedLux:
+        """The same with all half widths multiplied."""
+        return replace(self, half_width=factor * self.half_width)
+
 
 class Reflector(Protocol):
     """What reads reflected light with the kept light of a solution's replicates."""

@@ -11,6 +11,7 @@ from hradiosity.cli.auditing import audit_lines, missed_accuracy_lines
 from hradiosity.cli.comparing import DIFFERENCES_TITLE, variant_lines
 from hradiosity.cli.interrupts import held_back, let_through
 from hradiosity.cli.live_files import rescue
+from hradiosity.cli.mapping import write_maps
 from hradiosity.cli.request import PREVIEW, Run, command, short
 from hradiosity.cli.sensing import NOT_COVERED
 from hradiosity.cli.text import (
@@ -53,12 +54,15 @@ def finish(run: Run, solver: RadiositySolver, solution: Solution, digest: str, i
             parts = run.request.outputs.interval_parts
             write_results(run.partial, solution, solver.checkpoint(), digest, parts=parts)
             _rate_glare(run, solver, solution)
+            if run.request.outputs.mapped and not interrupted and not came:
+                interrupted = write_maps(run, solver, solution)
             if run.request.outputs.pictures and not interrupted and not came:
                 interrupted = _draw(run, solver, solution)
         except OutputError as error:
             raise OutputError(f"{error}; {rescue(run, solver, digest)}") from error
         interrupted = interrupted or bool(came)
-        run.seconds["writing"] = time.perf_counter() - start - run.seconds.get("pictures", 0.0)
+        others = sum(run.seconds.get(name, 0.0) for name in ("maps", "pictures"))
+        run.seconds["writing"] = time.perf_counter() - start - others
         state, code = _outcome(solver, solution, interrupted)
         seconds = _stage_seconds(run, solution)
         if solution.variants:

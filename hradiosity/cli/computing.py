@@ -10,6 +10,7 @@ from hradiosity.cli.closing import finish
 from hradiosity.cli.expected import accuracy_lines
 from hradiosity.cli.interrupts import held_back
 from hradiosity.cli.live_files import LiveFiles, rescue
+from hradiosity.cli.mapping import map_plan_lines
 from hradiosity.cli.refereeing import comparison, comparison_lines, trace_referee, write_referee
 from hradiosity.cli.request import Run
 from hradiosity.cli.sensing import SENSITIVITY_TITLE, run_sensitivity, sensitivity_lines
@@ -63,8 +64,10 @@ class Computation:
         plan = self._solver.plan
         self._display.lines(note_lines(self._solver.notes))
         expected = accuracy_lines(self._scene, self._request.options, self._device.description)
-        self._display.lines([*plan.lines(), *truncation_lines(self._scene.bands), *expected], title="Plan")
-        self._display.data("plan", plan_record(plan, self._scene.bands))
+        outputs = self._request.outputs
+        maps = map_plan_lines(outputs.mapped, outputs.map_error)
+        self._display.lines([*plan.lines(), *truncation_lines(self._scene.bands), *maps, *expected], title="Plan")
+        self._display.data("plan", {**plan_record(plan, self._scene.bands), **({"maps": maps} if maps else {})})
 
     def _take_up(self, digest: str) -> None:
         """Restore what an earlier run knew."""

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
 
 from hradiosity.cli.settings import OUTPUT
-from hradiosity.cli.values import FalseColor, FalseColorScale, White
+from hradiosity.cli.values import FalseColor, FalseColorScale, White, share
 from hradiosity.errors import Fault, SceneError
+
+if TYPE_CHECKING:
+    from hradiosity.model.scene import Scene
 
 MOST_IMAGE_SAMPLES = 1024
 """A quarter of them are one launch, which nothing breaks off: minutes, for a large image."""
@@ -45,6 +48,13 @@ class Outputs:
         Width and height of images, in place of those of the views.
     image_spectra
         Write the spectrum of every pixel of an image, as spectral OpenEXR.
+    maps
+        Map the illuminance on all sides of the object with this name, or on those that face one way: room:up is the
+        floor of a box, room:-y the wall that looks along -y. maps/NAME.png in false colours, maps/NAME.csv and .npz
+        with numbers. Once for each map.
+    map_error
+        Error of the maps, root mean square over the mean illuminance: what their cells and the noise may leave beside
+        the error of the solution.
     sensitivity
         Write sensitivity.csv: what reflectances, lamps and the sky change, which intervals do not cover.
     interval_parts
@@ -67,11 +77,28 @@ class Outputs:
     image_samples: Annotated[int | None, Parameter(group=OUTPUT)] = None
     image_size: Annotated[tuple[int, int] | None, Parameter(negative="", group=OUTPUT)] = None
     image_spectra: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
+    maps: Annotated[list[str] | None, Parameter(name="--map", negative="", show_default=False, group=OUTPUT)] = None
+    map_error: Annotated[float, Parameter(converter=share, group=OUTPUT)] = 0.02
     sensitivity: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     interval_parts: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     full_metrics: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     quiet: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     json: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
+
+    @property
+    def mapped(self) -> tuple[str, ...]:
+        """Objects to map, each once."""
+        return tuple(dict.fromkeys(self.maps or ()))
+
+    def check_objects(self, scene: Scene) -> None:
+        """Raise `SceneError` for maps of what the scene has not."""
+        from hradiosity.model.facing import FACINGS, named_part
+
+        unknown = [name for name in self.mapped if named_part(scene.objects, name) is None]
+        if unknown:
+            names = ", ".join(map(repr, scene.objects))
+            wanted = f"one of {names}, or one of them with {', '.join(FACINGS)} behind it"
+            raise SceneError([Fault("command line", "map", f"no object {', '.join(map(repr, unknown))}", wanted)])
 
     @property
     def asks_for_images(self) -> bool:

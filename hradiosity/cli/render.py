@@ -48,7 +48,9 @@ def render(
     chosen, wanted = settings or Settings(), outputs or Outputs()
     images = chosen.quality == "image"
     wanted.check(images=images)
-    options = replace(chosen.options(), audit=audit, pictures=wanted.pictures, full_metrics=wanted.full_metrics)
+    options = replace(
+        chosen.options(), audit=audit, pictures=wanted.pictures or bool(wanted.mapped), full_metrics=wanted.full_metrics
+    )
     folder = out if out is not None else Path("results") / name_of(scene)
     return run(Request(scene, folder, options, chosen.device, referee, wanted, images))
 

@@ -38,6 +38,7 @@ def run(request: Request) -> int:
         check_display("leave out --view; `hradiosity view OUT --screenshot FILE` shows the result without one")
     start = time.perf_counter()
     scene = load_scene(request.scene)
+    request.outputs.check_objects(scene)
     reading = time.perf_counter() - start
     out = request.out.resolve()
     with locked(out):

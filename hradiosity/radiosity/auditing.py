@@ -247,13 +247,14 @@ def _seed(run_seed: int, batch: int) -> int:
 
 def audited(solution: Solution, found: Audit) -> Solution:
     """The solution with all half widths multiplied by what the audit found."""
-    factor, reader = found.verdict.factor, solution.reader
+    factor, reader, reflector = found.verdict.factor, solution.reader, solution.reflector
     return replace(
         solution,
         readings={name: readings.widened(factor) for name, readings in solution.readings.items()},
         variants={name: variant.widened(factor) for name, variant in solution.variants.items()},
         record={**solution.record, "audit": found.record()},
         reader=None if reader is None else lambda sensor: reader(sensor).widened(factor),
+        reflector=None if reflector is None else lambda *what: reflector(*what).widened(factor),
     )
 
 

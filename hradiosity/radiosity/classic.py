@@ -73,6 +73,11 @@ class ClassicSolver(RadiositySolver):
             self._gather(moments, light)
         return moments.readings(self._prepare().shared_errors())[sensor.name]
 
+    @property
+    def keeps_light(self) -> bool:
+        """Whether there is light to read further points from."""
+        return len(self._lights) >= 2
+
     def read_reflected(
         self, position: NDArray[np.float64], normal: NDArray[np.float64], n_paths: int, seed: int
     ) -> ReflectedLux:

@@ -192,6 +192,11 @@ class RadiositySolver:
             self._read(moments, elements, light, seed, effort)
         return moments.readings(self._prepare().shared_errors())[sensor.name]
 
+    @property
+    def keeps_light(self) -> bool:
+        """Whether there is light to read further points from."""
+        return len(self._kept) >= 2
+
     def read_reflected(
         self, position: NDArray[np.float64], normal: NDArray[np.float64], n_paths: int, seed: int
     ) -> ReflectedLux:

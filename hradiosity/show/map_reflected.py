@@ -145,7 +145,7 @@ def paths_for(on_device: DeviceScene, solution: Solution, goal: RefinementGoal, 
     if not len(cell):
         return LEAST_PATHS
     patch = frames.side[cell] // 2
-    until = np.cumsum(patches.area[patch] / goal.grid[patch].prod(axis=1) / np.where(frames.is_triangle[cell], 2, 1))
+    until = np.cumsum(patches.area[patch] / goal.grid[patch].prod(axis=1))
     place = (np.arange(TRIAL_POINTS) + 0.5) / TRIAL_POINTS * until[-1]
     cell = np.unique(cell[np.minimum(np.searchsorted(until, place), len(cell) - 1)])
     side, parts = frames.side[cell], np.where(frames.is_triangle[cell], 3, 2)

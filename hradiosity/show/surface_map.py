@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from hradiosity.device import Device
 from hradiosity.metrics.photometric import luminous_weights
+from hradiosity.model.facing import named_part
 from hradiosity.show.light import PictureScene, picture_scene
 from hradiosity.show.map_reflected import ReflectedLight, ReflectedVertices, open_weights, paths_for
 from hradiosity.solution import Solution
@@ -22,6 +23,7 @@ from hradiosity.space.leaves import CENTRE, Leaves, plant_leaves
 from hradiosity.transport.device_scene import DeviceScene, upload_scene
 from hradiosity.transport.glow import sampled_scene
 from hradiosity.transport.leaf_light import VertexLight
+from hradiosity.transport.leaf_points import side_normals
 from hradiosity.transport.refine import RefinementGoal, RefinementOptions, ShadowLight, split_by_error, united
 
 FINEST: Final = 1e-4
@@ -29,6 +31,11 @@ FINEST: Final = 1e-4
 MAX_LEVEL: Final = 10
 DIRECT_SHARE, REFLECTED_SHARE, NOISE_SHARE = 0.8, 0.4, 0.3
 """Of a map's error: what direct light and reflected light between vertices, and noise, may come to; squares add up."""
+
+_FACES: Final = 0.99
+"""Cosine to a direction from which on a side faces there."""
+_MEAN_WEIGHTS: Final = np.array([[1, 1, 1, 1, 2], [2, 2, 2, 0, 3]], np.float32)
+"""Of corners and centre in the mean over the fan of a parallelogram and of a triangle."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +70,52 @@ class SurfaceMap:
         return np.where(self.shadow.covered, np.nan, self.lux)[self._leaf_corners]
 
     @property
+    def corner_half_width(self) -> NDArray[np.float64]:
+        """(n_leaves, 4) half widths there [lx]; NaN inside of things."""
+        return np.where(self.shadow.covered, np.nan, self.half_width)[self._leaf_corners]
+
+    @property
+    def leaf_lux(self) -> NDArray[np.float64]:
+        """(n_leaves,) mean illuminance of each leaf [lx]; NaN where all of its vertices lie inside of things."""
+        return self._leaf_means(self.lux)
+
+    @property
+    def leaf_half_width(self) -> NDArray[np.float64]:
+        """(n_leaves,) mean half width [lx]; NaN as of `leaf_lux`."""
+        return self._leaf_means(self.half_width)
+
+    @property
+    def leaf_middle(self) -> NDArray[np.float64]:
+        """(n_leaves, 3) middle of each leaf [m]."""
+        middle: NDArray[np.float64] = self.shadow.position[self.shadow.vertex[self.shadow.leaves.is_leaf, CENTRE]]
+        return middle
+
+    @property
+    def leaf_normal(self) -> NDArray[np.float64]:
+        """(n_leaves, 3) unit normals."""
+        leaves = self.shadow.leaves
+        return side_normals(self.solution.scene.patches, leaves.side[leaves.is_leaf])
+
+    @property
+    def leaf_area(self) -> NDArray[np.float64]:
+        """(n_leaves,) [m²]."""
+        leaves, patches = self.shadow.leaves, self.solution.scene.patches
+        side = leaves.side[leaves.is_leaf]
+        share = (leaves.extent[leaves.is_leaf] / leaves.step) ** 2
+        area: NDArray[np.float64] = (
+            share * patches.area[side // 2] / self.solution.elements.divisions[side // 2].prod(1)
+        )
+        return area
+
+    def _leaf_means(self, values: NDArray[np.float64]) -> NDArray[np.float64]:
+        nodes = self.shadow.leaves.is_leaf
+        vertices = self.shadow.vertex[nodes, : CENTRE + 1]
+        weights = open_weights(vertices, _MEAN_WEIGHTS[self.shadow.leaves.is_triangle[nodes].astype(int)],
+                               self.shadow.covered)  # fmt: skip
+        mean: NDArray[np.float64] = np.einsum("nk,nk->n", weights, values[vertices])
+        return np.where(weights.any(axis=1), mean, np.nan)
+
+    @property
     def _leaf_corners(self) -> NDArray[np.int32]:
         return self.shadow.vertex[self.shadow.leaves.is_leaf, :CENTRE]
 
@@ -86,7 +139,7 @@ class SurfaceMap:
         known = np.maximum(node, 0)
         if flat:
             vertices = self.shadow.vertex[known, : CENTRE + 1]
-            weights = np.where(triangles[side // 2, None], [2, 2, 2, 0, 3], [1, 1, 1, 1, 2]).astype(np.float32)
+            weights = _MEAN_WEIGHTS[triangles[side // 2].astype(int)]
         else:
             vertices, weights = fan_weights(self.shadow.vertex, known, s, t, triangles[side // 2])
         value = np.einsum("nk,nk->n", open_weights(vertices, weights, self.shadow.covered), self.lux[vertices])
@@ -101,7 +154,8 @@ def map_objects(solution: Solution, device: Device, names: Sequence[str], *, err
     solution : Solution
         Of a solver of this process, since reflected light is read at points of the map.
     names : sequence of str
-        Of the objects, as the scene has them; the floor of a box that is a room is no object of its own.
+        Of the objects, as the scene has them; with one of `hradiosity.model.facing.FACINGS` behind it, those of the
+        object's sides: "room:up" is the floor of a box that is a room.
     error : float
         Root mean square error of the map that leaves and noise may leave, over the mean illuminance; that of the
         solution itself comes on top.
@@ -116,18 +170,30 @@ def map_objects(solution: Solution, device: Device, names: Sequence[str], *, err
     scene = solution.scene
     if not names:
         raise ValueError(f"a map needs the name of an object; the scene has {', '.join(scene.objects)}")
-    unknown = [name for name in names if name not in scene.objects]
+    unknown = [name for name in names if named_part(scene.objects, name) is None]
     if unknown:
         raise ValueError(
             f"there is no object {', '.join(map(repr, unknown))}; the scene has {', '.join(scene.objects)}"
         )
-    chosen = np.isin(scene.patches.object, [scene.objects.index(name) for name in names])
-    sides = np.flatnonzero((solution.elements.first_cell != NONE) & chosen[:, None])
+    sides = lit_sides_of(solution, names)
     if not len(sides):
         raise ValueError(f"no light reaches {', '.join(map(repr, names))}")
     sampled = sampled_scene(scene, solution.plan.weak_emitters)
     on_device = upload_scene(device, sampled, build_bvh(device, scene.patches), occlusion=solution.plan.occlusion)
     return map_surfaces(solution, on_device, sides, error)
+
+
+def lit_sides_of(solution: Solution, names: Sequence[str]) -> NDArray[np.int64]:
+    """(n,) sides, 2 · patch + side, of objects of the scene that light reaches; see `map_objects`."""
+    scene = solution.scene
+    side = np.flatnonzero(solution.elements.first_cell != NONE)
+    chosen = np.zeros(len(side), np.bool_)
+    for part in filter(None, (named_part(scene.objects, name) for name in names)):
+        of_object = scene.patches.object[side // 2] == part[0]
+        if part[1] is not None:
+            of_object &= side_normals(scene.patches, side) @ np.array(part[1]) > _FACES
+        chosen |= of_object
+    return side[chosen]
 
 
 def map_surfaces(
@@ -184,7 +250,7 @@ def joined(solution: Solution, direct: VertexLight, leaves: Leaves, reflected: R
         more = np.zeros((len(lux), 2))
         more[vertex] = np.where(shadow.covered[vertex, None], 0.0, found[:, [0, 2]])
         lux, half_width = lux + more[:, 0], more[:, 1]
-    return SurfaceMap(solution, shadow, lux, half_width, reflected)
+    return SurfaceMap(solution, shadow, np.maximum(lux, 0.0), half_width, reflected)
 
 
 def map_goal(picture: PictureScene, solution: Solution, sides: NDArray[np.int64], finest: float) -> RefinementGoal:

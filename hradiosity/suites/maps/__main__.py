@@ -144,7 +144,7 @@ def _arguments() -> argparse.Namespace:
     )
     parser.add_argument("--levels", type=int, default=4, help="sizes of uniform leaves, each half of the one before")
     parser.add_argument(
-        "--most-read", type=int, default=15000, help="vertices of leaves of one size at which reflected light is read"
+        "--most-read", type=int, default=60000, help="vertices of leaves of one size at which reflected light is read"
     )
     parser.add_argument("--out", type=Path, help="folder for plots and tables")
     parser.add_argument("--json", type=Path, help="write the figures there as well")
