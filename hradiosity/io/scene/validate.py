@@ -1,6 +1,5 @@
 """From TOML text to checked tables: syntax, unknown keys, wrong types, effects that are not simulated."""
 
-import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from types import UnionType
@@ -12,6 +11,7 @@ from pydantic_core import ErrorDetails
 
 from hradiosity.errors import Fault, SceneError
 from hradiosity.io.scene.lines import Location
+from hradiosity.io.scene.quick_toml import parse
 from hradiosity.io.scene.report import Report, did_you_mean
 from hradiosity.io.scene.schema import SceneFile
 
@@ -95,7 +95,7 @@ def parse_toml(path: Path) -> tuple[str, dict[str, Any]]:
     except OSError as error:
         raise SceneError([Fault(str(path), "", f"can't be read: {error.strerror}", "a readable file")]) from None
     try:
-        return text, tomllib.loads(text)
+        return text, parse(text)
     except RecursionError:
         raise SceneError([Fault(str(path), "", "lists are nested too deeply", "see https://toml.io")]) from None
     except ValueError as error:  # beside syntax, whole numbers of thousands of digits and dates that don't exist

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Final
@@ -74,14 +75,22 @@ def view(request: Request) -> None:
         use_off_screen()
     elif to_files:
         return
-    names = [path.name or path.resolve().name for path in request.paths]
-    viewer = Viewer(subjects, names, size=request.size, off_screen=to_files, look=look, view=camera)
+    viewer = Viewer(subjects, names_of(request.paths), size=request.size, off_screen=to_files, look=look, view=camera)
     if request.pick is not None:
         viewer.click(request.pick[0], request.size[1] - request.pick[1])
     if request.screenshot is not None:
         viewer.write_screenshot(request.screenshot)
     else:
         _run(viewer, request)
+
+
+def names_of(paths: Sequence[Path]) -> list[str]:
+    """Last parts of paths, with as many of those before as tell two of them apart."""
+    parts = [path.resolve().parts for path in paths]
+    length = next(
+        (n for n in range(1, max(map(len, parts))) if len({part[-n:] for part in parts}) == len(set(parts))), 1
+    )
+    return [Path(*part[-length:]).as_posix() for part in parts]
 
 
 def _first_look(request: Request, subject: Subject) -> Look:

@@ -63,7 +63,7 @@ def pick_cell(
         turned = np.cross(offset, direction)
         s = np.einsum("nk,nk->n", edge_v, turned) / slope
         t = -np.einsum("nk,nk->n", edge_u, turned) / slope
-    inside = (s >= 0.0) & (t >= 0.0) & np.where(triangle, s + t <= 1.0, (s <= 1.0) & (t <= 1.0))
+        inside = (s >= 0.0) & (t >= 0.0) & np.where(triangle, s + t <= 1.0, (s <= 1.0) & (t <= 1.0))
     met = np.flatnonzero(faces & (along > 0.0) & inside)
     if plane is not None:
         met = met[~plane.hides(origin + along[met, None] * direction)]

@@ -4,6 +4,7 @@ import shutil
 import sys
 from dataclasses import replace
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,6 +16,7 @@ from hradiosity.cli.watching import light_of
 from hradiosity.io.live_light import LiveWriter, is_watched
 from hradiosity.io.results_reading import read_result
 from hradiosity.io.scene_drawing import draw_scene
+from hradiosity.show.window.app import names_of
 from hradiosity.show.window.commands import COMMANDS
 from hradiosity.show.window.keys import BUTTONS, KEYS, command_of
 from hradiosity.show.window.look import MODES, NO_LINES, Look
@@ -176,6 +178,13 @@ def test_a_scene_is_shown_before_it_is_solved(off_screen, room):
     assert viewer.legend.scale.unit == "1"
     viewer.click(240, 180)
     assert viewer.facts().curves[-1].name == "reflectance"
+
+
+def test_names_of_two_folders_tell_them_apart(tmp_path):
+    assert names_of([tmp_path / "a" / "office", tmp_path / "b" / "office"]) == ["a/office", "b/office"]
+    assert names_of([tmp_path / "a", tmp_path / "b"]) == ["a", "b"]
+    assert names_of([tmp_path / "a", tmp_path / "a"]) == ["a", "a"]
+    assert names_of([Path()]) == [Path.cwd().name]
 
 
 @NEEDS_GL
