@@ -27,6 +27,8 @@ from hradiosity.suites.cost.memory import PeakMemory
 from hradiosity.suites.referee_cache import referee_readings
 
 SAMPLE = "sample"
+EQUAL_ERROR = 0.01
+"""Spectral rms error, without the reference's noise, at which scenes are compared."""
 
 
 @dataclass(frozen=True)
@@ -63,6 +65,11 @@ class Step:
     def own_rms(self) -> float:
         """Spectral error without the noise of the reference."""
         return float(np.sqrt(max(self.spectral_rms**2 - self.noise**2, 0.0)))
+
+    @property
+    def equal_seconds(self) -> float:
+        """CPU seconds that `EQUAL_ERROR` would take if all of the error were noise: as its square over the error's."""
+        return self.cpu_seconds * (self.own_rms / EQUAL_ERROR) ** 2
 
 
 def sampled(scene: Scene, count: int, seed: int = 7) -> tuple[Scene, NDArray[np.int64]]:
@@ -139,7 +146,7 @@ def exponent(x: Sequence[float], y: Sequence[float]) -> float:
 
 HEADER = (
     f"{'scene':>12} {'faces':>8} {'lamps':>5} {'readings':>8} {'elements':>8} {'Mrays':>7} {'CPU s':>7} {'MiB':>6} "
-    f"{'spectral':>8} {'noise':>6} {'own':>6} {'lx rms':>7} {'bias':>7} {'interval':>8} {'covered':>7}"
+    f"{'spectral':>8} {'noise':>6} {'own':>6} {'lx rms':>7} {'bias':>7} {'interval':>8} {'covered':>7} {'s at 1 %':>8}"
 )
 
 
@@ -150,7 +157,8 @@ def line(step: Step) -> str:
     return (
         f"{step.scene:>12} {step.faces:8d} {step.emitters:5d} {step.readings:8d} {step.elements:8d} "
         f"{step.rays / 1e6:7.1f} {step.cpu_seconds:7.1f} {memory:>6} {percent[0]:8.3f} {percent[1]:6.3f} "
-        f"{percent[2]:6.3f} {percent[3]:7.3f} {percent[4]:7.3f} {100.0 * step.interval:8.2f} {step.covered:7.3f}"
+        f"{percent[2]:6.3f} {percent[3]:7.3f} {percent[4]:7.3f} {100.0 * step.interval:8.2f} {step.covered:7.3f} "
+        f"{step.equal_seconds:8.1f}"
     )
 
 
@@ -171,6 +179,7 @@ def summary(steps: Sequence[Step]) -> list[str]:
     faces = [step.faces for step in steps]
     known = {
         "CPU seconds": [step.cpu_seconds for step in steps],
+        "CPU seconds at 1 % (× error²)": [step.equal_seconds for step in steps],
         "rays": [float(step.rays) for step in steps],
         "elements": [float(step.elements) for step in steps],
     }
@@ -186,8 +195,11 @@ def plot(steps: Sequence[Step]) -> str:
     faces = [step.faces for step in steps]
     first = steps[0]
     guide = [first.cpu_seconds * n * np.log(n) / (first.faces * np.log(first.faces)) for n in faces]
-    seconds = [Line("whole run, CPU s", faces, [step.cpu_seconds for step in steps])]
-    largest = sorted(steps[-1].stages, key=lambda name: -steps[-1].stages[name])[:4]
+    seconds = [
+        Line("whole run, CPU s", faces, [step.cpu_seconds for step in steps]),
+        Line("the same at 1 % error, CPU s", faces, [max(step.equal_seconds, 1e-3) for step in steps]),
+    ]
+    largest = sorted(steps[-1].stages, key=lambda name: -steps[-1].stages[name])[:3]
     seconds += [Line(f"{name}, wall s", faces, [step.stages.get(name, 1e-3) for step in steps]) for name in largest]
     seconds.append(Line("linear × log", faces, guide, guide=True))
     errors = [

@@ -7,12 +7,18 @@ import pytest
 from rooms import SceneBuilder
 
 from hradiosity import Options, solve
-from hradiosity.suites.growth import SAMPLE, exponent, of_sample, sampled
+from hradiosity.suites.growth import SAMPLE, Step, exponent, of_sample, sampled
 
 
 def test_exponent_is_the_power():
     assert exponent([1, 2, 5, 20], [3 * n**1.5 for n in (1, 2, 5, 20)]) == pytest.approx(1.5)
     assert math.isnan(exponent([1], [1]))
+
+
+def test_seconds_at_one_error_grow_with_its_square():
+    """2 % in 10 s, of which the reference's noise is 1.2 %: own error 1.6 %, so 1 % takes 25.6 s."""
+    step = Step("hall", 1, 1, 1, 1, 1, 10.0, {}, None, 0.02, 0.02, 0.0, 0.012, 0.01, 0.95)
+    assert step.equal_seconds == pytest.approx(25.6)
 
 
 def test_sample_is_some_of_the_readings(device):
