@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from hradiosity.cli import GOOD, INACCURATE, INTERRUPTED
 from hradiosity.cli.auditing import audit_lines, missed_accuracy_lines
 from hradiosity.cli.comparing import DIFFERENCES_TITLE, variant_lines
+from hradiosity.cli.imaging import remember_images
 from hradiosity.cli.interrupts import held_back, let_through
 from hradiosity.cli.live_files import rescue
 from hradiosity.cli.mapping import write_maps
@@ -120,17 +121,23 @@ def _gather(run: Run, solver: RadiositySolver, solution: Solution, options: Pict
     from hradiosity.show.image_pictures import ImageOptions, write_images
 
     wanted = run.request.outputs
-    given = {} if wanted.image_samples is None else {"samples": wanted.image_samples}
+    asked = ImageOptions(
+        samples=wanted.image_samples,
+        noise=wanted.image_noise,
+        size=wanted.image_size,
+        spectra=wanted.image_spectra,
+    )
     cpu = time.process_time()
     drawn, interrupted = write_images(
         solution,
         run.partial / "pictures",
         run.device,
         options,
-        ImageOptions(size=wanted.image_size, spectra=wanted.image_spectra, **given),
+        asked,
         on_device=solver.on_device,
         progress=run.display.stage,
     )
+    remember_images(run.device.description, drawn.record, len(solution.scene.bands))
     run.closing.append(("Images", image_lines(drawn.record, time.process_time() - cpu)))
     return drawn, interrupted
 

@@ -8,6 +8,7 @@ from dataclasses import asdict
 from hradiosity.cli.auditing import run_audit
 from hradiosity.cli.closing import finish
 from hradiosity.cli.expected import accuracy_lines
+from hradiosity.cli.imaging import image_plan_lines
 from hradiosity.cli.interrupts import held_back
 from hradiosity.cli.live_files import LiveFiles, rescue
 from hradiosity.cli.mapping import map_plan_lines
@@ -65,9 +66,18 @@ class Computation:
         self._display.lines(note_lines(self._solver.notes))
         expected = accuracy_lines(self._scene, self._request.options, self._device.description)
         outputs = self._request.outputs
-        maps = map_plan_lines(outputs.mapped, outputs.map_error)
-        self._display.lines([*plan.lines(), *truncation_lines(self._scene.bands), *maps, *expected], title="Plan")
-        self._display.data("plan", {**plan_record(plan, self._scene.bands), **({"maps": maps} if maps else {})})
+        drawn = map_plan_lines(outputs.mapped, outputs.map_error)
+        if self._request.images and outputs.pictures:
+            drawn += image_plan_lines(
+                self._scene,
+                self._device.description,
+                size=outputs.image_size,
+                samples=outputs.image_samples if outputs.image_noise is None else None,
+                noise=outputs.image_noise,
+                spectra=outputs.image_spectra,
+            )
+        self._display.lines([*plan.lines(), *truncation_lines(self._scene.bands), *drawn, *expected], title="Plan")
+        self._display.data("plan", {**plan_record(plan, self._scene.bands), **({"drawn": drawn} if drawn else {})})
 
     def _take_up(self, digest: str) -> None:
         """Restore what an earlier run knew."""

@@ -43,7 +43,10 @@ class Outputs:
         Lowest and highest number of the false colours, in lx or cd/m²; from the pictures if left out, logarithmic
         ones then over three decades at most.
     image_samples
-        Points in each pixel of an image (--quality image); noise halves with four times as many.
+        Points in each pixel of an image (--quality image); noise halves with four times as many. With --image-noise at
+        most so many.
+    image_noise
+        Add points until the median over the pixels of the noise (standard error over luminance) is no more than this.
     image_size
         Width and height of images, in place of those of the views.
     image_spectra
@@ -75,6 +78,7 @@ class Outputs:
     false_color_scale: Annotated[FalseColorScale, Parameter(group=OUTPUT)] = "linear"
     false_color_range: Annotated[tuple[float, float] | None, Parameter(negative="", group=OUTPUT)] = None
     image_samples: Annotated[int | None, Parameter(group=OUTPUT)] = None
+    image_noise: Annotated[float | None, Parameter(converter=share, group=OUTPUT)] = None
     image_size: Annotated[tuple[int, int] | None, Parameter(negative="", group=OUTPUT)] = None
     image_spectra: Annotated[bool, Parameter(negative="", show_default=False, group=OUTPUT)] = False
     maps: Annotated[list[str] | None, Parameter(name="--map", negative="", show_default=False, group=OUTPUT)] = None
@@ -103,7 +107,8 @@ class Outputs:
     @property
     def asks_for_images(self) -> bool:
         """Whether something is said that only images have."""
-        return self.image_spectra or self.image_samples is not None or self.image_size is not None
+        given = self.image_samples, self.image_noise, self.image_size
+        return self.image_spectra or any(value is not None for value in given)
 
     def check(self, *, images: bool) -> None:
         """Raise `SceneError` for what makes no sense.
@@ -120,7 +125,9 @@ class Outputs:
     def _image_faults(self, images: bool) -> list[tuple[str, str]]:
         faults = []
         if self.asks_for_images and not (images and self.pictures):
-            faults.append(("image-samples, image-size and image-spectra are for images", "--quality image"))
+            faults.append(
+                ("image-samples, image-noise, image-size and image-spectra are for images", "--quality image")
+            )
         if self.image_samples is not None and not 1 <= self.image_samples <= MOST_IMAGE_SAMPLES:
             wanted = f"at least 1 and at most {MOST_IMAGE_SAMPLES}"
             faults.append((f"image-samples must be {wanted}, is {self.image_samples}", ""))

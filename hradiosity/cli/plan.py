@@ -19,6 +19,7 @@ def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False
         One JSON object instead of words.
     """
     from hradiosity.cli.expected import accuracy_lines
+    from hradiosity.cli.imaging import image_plan_lines
     from hradiosity.cli.text import note_lines
     from hradiosity.device import Device
     from hradiosity.io.calibration import load_calibration
@@ -33,11 +34,19 @@ def plan(scene: Path, /, *, settings: Settings | None = None, json: bool = False
     device = Device(chosen.device)
     solver = make_solver(loaded, options, device, load_calibration(device.description, options.mode))
     made = solver.plan
+    images = image_plan_lines(loaded, device.description) if chosen.quality == "image" else []
     if json:
-        print(to_json(plan_record(made, loaded.bands)))
+        print(to_json({**plan_record(made, loaded.bands), **({"drawn": images} if images else {})}))
         return 0
     expected = accuracy_lines(loaded, options, device.description)
     remarks = note_lines(solver.notes, all_of_them=True)
-    for line in (*remarks, *made.lines(), *truncation_lines(loaded.bands), *expected, f"device: {device.description}"):
+    for line in (
+        *remarks,
+        *made.lines(),
+        *truncation_lines(loaded.bands),
+        *images,
+        *expected,
+        f"device: {device.description}",
+    ):
         print(line)
     return 0

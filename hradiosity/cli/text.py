@@ -47,7 +47,11 @@ def image_lines(record: Mapping[str, Any], cpu_seconds: float) -> list[str]:
                 f"{entry['delta_e_2000_to_display_mean']:.2f}, {entry['delta_e_2000_to_display_95']:.2f}",
             )
         )
-    return [*aligned(rows), f"  {cpu_seconds:.1f} CPU s; noise is the standard error of a pixel's luminance"]
+    told = [*aligned(rows), f"  {cpu_seconds:.1f} CPU s; noise is the standard error of a pixel's luminance"]
+    asked = record["noise_asked_for"]
+    if asked is not None and any(entry["noise_median"] > asked for entry in record["pictures"]):
+        told.append(f"warning: a median noise of {percent(asked)} was not reached with the points allowed")
+    return told
 
 
 def sensor_lines(readings: Mapping[str, Readings]) -> list[str]:

@@ -14,6 +14,7 @@ from hradiosity.planning_seconds import reading_paths, solution_rays
 from hradiosity.solution import Solution
 
 _KEPT_BUILDS = 200
+_IMAGES = "image_s_per_point"
 _KINDS: dict[Mode, tuple[type[Calibration | ClassicCalibration], str]] = {
     "rays": (Calibration, "calibration"),
     "classic": (ClassicCalibration, "classic"),
@@ -45,6 +46,19 @@ def store(device: str, builds: Iterable[str], calibration: Calibration | Classic
     entry["builds"] = (known + [build for build in builds if build not in known])[-_KEPT_BUILDS:]
     if calibration is not None:
         entry[next(name for kind, name in _KINDS.values() if isinstance(calibration, kind))] = asdict(calibration)
+    return store_devices(DEVICES_FILE, kept)
+
+
+def load_image_pace(device: str) -> float | None:
+    """Seconds for a point of an image and eight bands, as an earlier one took; None when there was none."""
+    kept = load_devices(DEVICES_FILE).get(device, {}).get(_IMAGES)
+    return float(kept) if isinstance(kept, (int, float)) else None
+
+
+def store_image_pace(device: str, seconds: float) -> bool:
+    """Keep that; False when the cache can't be written."""
+    kept = load_devices(DEVICES_FILE)
+    kept.setdefault(device, {})[_IMAGES] = seconds
     return store_devices(DEVICES_FILE, kept)
 
 

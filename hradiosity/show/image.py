@@ -65,6 +65,13 @@ class Image:
             self.standard_error[..., 1], luminance, out=np.zeros_like(luminance), where=luminance > _XYZ_SHOWN
         )
 
+    @property
+    def noise_quantiles(self) -> tuple[float, float]:
+        """Median and 95th percentile of `noise` over the pixels that have light; 0 where none has."""
+        lit = self.noise[self.xyz[..., 1] > 0.0]
+        median, high = np.quantile(lit, [0.5, 0.95]) if len(lit) else np.zeros(2)
+        return float(median), float(high)
+
 
 def gather_image(
     solution: Solution,
@@ -133,6 +140,11 @@ class GrowingImage:
         self._sums, self._squares = np.zeros((n_pixels, SUMS)), np.zeros((n_pixels, 4))
         self._spectrum = np.zeros((n_pixels, len(bands)), np.float32) if spectra else None
 
+    @property
+    def samples(self) -> int:
+        """In each pixel so far."""
+        return self._each * self.passes
+
     def add_pass(self) -> None:
         """Trace one more pass."""
         seed = (self._seed * 0x9E3779B1 + (self.passes + 1) * 0x85EBCA6B) & 0xFFFFFFFF
@@ -171,7 +183,7 @@ class GrowingImage:
             illuminance_error=lux_error,
             spectrum=None if summed is None else (summed * per_nm).reshape(*shape, -1),
             bands=self._bands,
-            samples=self._each * self.passes,
+            samples=self.samples,
             passes=self.passes,
         )
 

@@ -21,7 +21,7 @@ from hradiosity.metrics.colorimetric import (
 from hradiosity.show.drawing import file_name
 from hradiosity.show.exposure import to_bytes
 from hradiosity.show.files import png_bytes, write_bytes, write_exr
-from hradiosity.show.image import PASSES, Image
+from hradiosity.show.image import Image
 from hradiosity.show.radiance_file import radiance_picture
 from hradiosity.show.scale_bar import Scale, false_colours, with_scale_bar
 from hradiosity.show.white import White
@@ -77,13 +77,12 @@ def display_difference(first: NDArray[np.float64], second: NDArray[np.float64]) 
 
 
 def write_image(
-    folder: Path, image: Image, scene_name: str, white: White, white_level: float, scale: Scale
+    folder: Path, image: Image, scene_name: str, white: White, white_level: float, scale: Scale, *, complete: bool
 ) -> dict[str, Any]:
-    """All files of one image; returns its entry in ``pictures.json``."""
+    """All files of one image; returns its entry in ``pictures.json``, which says whether it is `complete`."""
     stem = f"{file_name(image.view.name)}_image"
     shown = develop_image(image, white, white_level)
-    lit = image.noise[image.xyz[..., 1] > 0.0]
-    noise = np.quantile(lit, [0.5, 0.95]) if len(lit) else np.zeros(2)
+    noise = image.noise_quantiles
     texts = {
         "method": "final gather in every pixel, box filter, no denoising",
         "exposure": f"white is {white_level:.6g} cd/m²",
@@ -118,9 +117,9 @@ def write_image(
         "height": image.view.height,
         "samples": image.samples,
         "passes": image.passes,
-        "complete": image.passes == PASSES,
-        "noise_median": float(noise[0]),
-        "noise_95": float(noise[1]),
+        "complete": complete,
+        "noise_median": noise[0],
+        "noise_95": noise[1],
         **shown.record,
         **texts,
     }

@@ -22,6 +22,8 @@ from hradiosity.show.white import white_of
 from hradiosity.solution import Solution
 from hradiosity.transport.device_scene import DeviceScene
 
+MOST_SAMPLES: Final = 1024
+"""In each pixel, where noise is asked for."""
 WHOLLY: Final = 0.999
 """Share of a pixel from which on it shows surfaces only."""
 
@@ -30,20 +32,38 @@ WHOLLY: Final = 0.999
 class ImageOptions:
     """How images are computed.
 
-    samples : in each pixel
+    samples : in each pixel; None: 16, or 1024 at most where noise is asked for
+    noise : passes are added until the median over the pixels of the standard error of the luminance, over the
+        luminance, is no more than this; None for as many samples as are asked for
     spectra : write the spectrum of each pixel too
     size : width and height of all images in place of those of the views; the angle of view across stays
     """
 
-    samples: int = SAMPLES
+    samples: int | None = None
+    noise: float | None = None
     spectra: bool = False
     size: tuple[int, int] | None = None
 
     def __post_init__(self) -> None:
-        if self.samples < 1:
+        if self.samples is not None and self.samples < 1:
             raise ValueError(f"samples must be at least 1, is {self.samples}")
+        if self.noise is not None and not self.noise > 0.0:
+            raise ValueError(f"noise must be > 0, is {self.noise}")
         if self.size is not None and not all(1 <= side <= 1 << 15 for side in self.size):
             raise ValueError(f"size must be two numbers from 1 to 32768, is {self.size}")
+
+    @property
+    def most_samples(self) -> int:
+        """In each pixel."""
+        return self.samples or (SAMPLES if self.noise is None else MOST_SAMPLES)
+
+    def goes_on(self, growing: GrowingImage) -> bool:
+        """Whether an image needs a further pass."""
+        if growing.passes < PASSES:
+            return True
+        if self.noise is None or growing.samples >= self.most_samples:
+            return False
+        return growing.image().noise_quantiles[0] > self.noise
 
 
 def write_images(
@@ -89,12 +109,17 @@ def write_images(
         return PictureSet((), {"pictures": []}, ()), False
     on_device = device_scene(solution, device) if on_device is None else on_device
     views, notes = views_of(solution, on_device)
-    images, interrupted = _images(solution, on_device, views, image_options, progress)
+    traced = perf_counter()
+    images, finished, interrupted = _images(solution, on_device, views, image_options, progress)
+    traced = perf_counter() - traced
     make_folder(folder)
     white_name = white_of(solution.scene, options.white)
     white = options.white_luminance or white_luminance([white_name.shown(_dull(i)).astype(np.float32) for i in images])
     scale = scale_of(options, [_seen(image, options.quantity) for image in images])
-    entries = [write_image(folder, image, solution.scene.name, white_name, white, scale) for image in images]
+    entries = [
+        write_image(folder, image, solution.scene.name, white_name, white, scale, complete=number < finished)
+        for number, image in enumerate(images)
+    ]
     record = {
         "exposure": {
             "white_luminance_cd_m2": white,
@@ -104,6 +129,9 @@ def write_images(
             "colours": f"{white_name.words}; clipped, no tone curve",
         },
         "false_color": scale.record(),
+        "noise_asked_for": image_options.noise,
+        "seconds": traced,
+        "points": sum(_size(image.view) * image.samples for image in images),
         "pictures": entries,
         "notes": [str(note) for note in notes],
     }
@@ -117,8 +145,8 @@ def _images(
     views: Sequence[View],
     options: ImageOptions,
     progress: Callable[[str], None] | None,
-) -> tuple[list[Image], bool]:
-    """Images of all views; when interrupted, those that have two passes."""
+) -> tuple[list[Image], int, bool]:
+    """Images of all views, how many are finished, and whether an interrupt came; the last one has two passes then."""
     images: list[Image] = []
     growing: GrowingImage | None = None
     pace = 0.0
@@ -130,24 +158,36 @@ def _images(
                 light,
                 view,
                 solution.scene.bands,
-                samples=options.samples,
+                samples=options.most_samples if options.noise is None else min(options.most_samples, SAMPLES),
                 seed=int(solution.record["options"]["seed"]),
                 spectra=options.spectra,
             )
-            for number in range(PASSES):
+            while options.goes_on(growing):
                 if progress is not None:
-                    left = (PASSES - number) * _size(view) + PASSES * sum(map(_size, sized_views[len(images) + 1 :]))
-                    progress(f"image of {view.name!r}: pass {number + 1} of {PASSES}{time_left(left * pace)}")
+                    later = PASSES * sum(map(_size, sized_views[len(images) + 1 :]))
+                    progress(_progress(growing, view, options, pace, later))
                 start = perf_counter()
                 growing.add_pass()
                 pace = (perf_counter() - start) / _size(view)
             images.append(growing.image())
             growing = None
     except KeyboardInterrupt:
+        finished = len(images)
         if growing is not None and growing.passes >= 2:
             images.append(growing.image())
-        return images, True
-    return images, False
+        return images, finished, True
+    return images, len(images), False
+
+
+def _progress(growing: GrowingImage, view: View, options: ImageOptions, pace: float, later: int) -> str:
+    """What is done, and how long it will take where that is known: `later` pixels and passes, after this image."""
+    if options.noise is None or growing.passes < PASSES:
+        left = (PASSES - growing.passes) * _size(view) + later
+        told = "" if options.noise is not None else time_left(left * pace)
+        return f"image of {view.name!r}: pass {growing.passes + 1} of {PASSES}{told}"
+    found = growing.image().noise_quantiles[0]
+    so_far = f"noise {found:.2%} so far, {options.noise:.2%} wanted"
+    return f"image of {view.name!r}: {growing.samples} points a pixel, {so_far}"
 
 
 def time_left(seconds: float) -> str:

@@ -38,13 +38,18 @@ class VertexLight(LeafVertices):
         self._n_pilot = max(LEAST_PILOT, self._n_samples // PILOT_SHARE)
 
     def _sample(self, position: NDArray[np.float64], normal: NDArray[np.float64]) -> NDArray[np.floating]:
-        """(n, n_luminaires + 1) light per luminaire, and illuminance without obstacles [lx], of points."""
+        """(n, n_luminaires + 1) light per luminaire, and illuminance without obstacles [lx], of points.
+
+        Where leaves are split by their error that without obstacles is not looked at, and left at 0.
+        """
         on_device, seed = self._on_device, self._options.seed
         per_emitter = direct_at_points(on_device, position, normal, self._n_samples, seed, self._n_pilot)
         luminaire = self._scene.emitters.luminaire
         by_lamp = np.zeros((len(luminaire), len(self._lumens)), np.float32)
         by_lamp[np.arange(len(luminaire)), luminaire] = 1.0
         light = np.einsum("xe,el->xl", per_emitter, by_lamp)
+        if self._options.error is not None:
+            return np.column_stack([light, np.zeros(len(light))])
         if not on_device.occlusion:
             return np.column_stack([light, np.einsum("xl,l->x", light, self._lumens)])
         open_scene = replace(on_device, occlusion=False)

@@ -8,6 +8,8 @@ import pytest
 from cli_room import PICTURES, QUICK, VIEW
 
 from hradiosity.cli import INTERRUPTED
+from hradiosity.device import Device
+from hradiosity.io.calibration import store_image_pace
 from hradiosity.show import image
 
 
@@ -33,6 +35,34 @@ def test_images_take_the_place_of_pictures_of_the_model(render, tmp_path):
     assert (entry["kind"], entry["samples"]) == ("image", 8) and 0 < entry["noise_median"] < entry["noise_95"] < 0.5
     assert "Images" in outcome.out and "CPU s" in outcome.out
     assert json.loads((tmp_path / "out" / "run.json").read_text())["state"] == "complete"
+
+
+def test_points_are_added_until_the_noise_is_as_asked(render, call, room, tmp_path):
+    outcome = render("--image-noise", "0.5%", "--image-size", 32, 20)
+    assert outcome.code == 0, outcome.err
+    assert "until the noise is 0.5 %" in outcome.out and "not reached" not in outcome.out
+    record = json.loads((tmp_path / "out" / "pictures" / "pictures.json").read_text())
+    entry = record["pictures"][0]
+    assert record["noise_asked_for"] == 0.005 and entry["noise_median"] <= 0.005
+    assert 16 < entry["samples"] < 1024 and entry["complete"]
+    words = ("--quality", "image", "--image-noise", "0.1%", "--image-samples", 24, "--image-size", 32, 20)
+    outcome = call("render", room, "-o", tmp_path / "out", "--no-audit", *words, *PICTURES)
+    entry = json.loads((tmp_path / "out" / "pictures" / "pictures.json").read_text())["pictures"][0]
+    assert outcome.code == 0 and entry["samples"] == 24 and entry["noise_median"] > 0.001
+    assert "noise of 0.1 % was not reached" in outcome.out
+
+
+def test_a_plan_foresees_images_once_one_was_made(room, call, tmp_path, monkeypatch):
+    file = room / "scene.toml"
+    file.write_text(file.read_text() + VIEW)
+    monkeypatch.setenv("HRADIOSITY_CACHE", str(tmp_path / "cache"))
+    outcome = call("plan", room, "--quality", "image")
+    assert "images: 1, 0.0012 million pixels with 16 points each: seconds unknown" in outcome.out
+    store_image_pace(Device().description, 1e-3)
+    outcome = call("plan", room, "--quality", "image")
+    # 40 x 30 pixels, 16 points, nine bands in two groups of eight.
+    assert "about 38 s" in outcome.out
+    assert "images:" not in call("plan", room).out
 
 
 def test_an_interrupted_image_loses_nothing(render, tmp_path, monkeypatch):
