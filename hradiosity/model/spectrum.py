@@ -206,8 +206,11 @@ def band_mean(spectrum: Spectrum, bands: Bands, outside: Outside) -> Binned:
 def band_integral(spectrum: Spectrum, bands: Bands, outside: Outside) -> Binned:
     """Integral of a spectrum over each band, exact for the piecewise linear table: power per band from power per nm.
 
-    A line goes whole into the band that contains it; on an edge that two bands share into the upper one, on the upper
-    edge of a band without a neighbour into that band. Lines between or beyond the bands are left out.
+    A line is shared by the band that contains it and the neighbour that it is nearer to, if both are equally wide, so
+    that its mean wavelength stays: whole in the middle of a band, half on the edge between two. In one band alone it
+    would move by up to half a width, which turns x of a mercury line by 0.008 in bands of 5 nm. Without such a
+    neighbour it goes whole into the band; on an edge of other bands into the upper one, on the upper edge of a band
+    without a neighbour into that band. Lines between or beyond the bands are left out.
 
     Parameters
     ----------
@@ -226,8 +229,16 @@ def band_integral(spectrum: Spectrum, bands: Bands, outside: Outside) -> Binned:
     ValueError
         When the table does not cover the bands and ``outside`` is "refuse".
     """
-    power, share = _continuous_integral(spectrum, bands, outside)
+    power, outside_share = _continuous_integral(spectrum, bands, outside)
     band = np.searchsorted(bands.lower, spectrum.line_wavelength, side="right") - 1
     kept = (band >= 0) & (spectrum.line_wavelength <= bands.upper[band])
-    np.add.at(power, band[kept], spectrum.line_power[kept])
-    return Binned(power, share)
+    band, sent = band[kept], spectrum.line_power[kept]
+    offset = spectrum.line_wavelength[kept] - bands.centre[band]
+    beside = np.clip(band + np.where(offset < 0.0, -1, 1), 0, len(bands) - 1)
+    low, high = np.minimum(band, beside), np.maximum(band, beside)
+    alike = np.isclose(bands.width[band], bands.width[beside], rtol=1e-9, atol=0.0)
+    paired = (low < high) & (bands.upper[low] == bands.lower[high]) & alike
+    share = np.where(paired, np.abs(offset) / bands.width[band], 0.0)
+    np.add.at(power, band, (1.0 - share) * sent)
+    np.add.at(power, beside, share * sent)
+    return Binned(power, outside_share)

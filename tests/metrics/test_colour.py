@@ -176,3 +176,17 @@ def test_colour_science_agrees():
     np.testing.assert_allclose(mine, theirs, atol=1e-3)  # it uses the matrix rounded to four digits
     np.testing.assert_allclose(colorimetric.encode_srgb(theirs), encoded, atol=1e-6)
     np.testing.assert_allclose(colorimetric.chromaticity(tristimulus), colour.XYZ_to_xy(tristimulus), atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("lines", "step", "most"), [([589.0, 589.6], 5, 5e-5), ([546.07], 5, 3e-4), ([435.83], 1, 1e-5)]
+)
+def test_lines_have_their_own_colour_in_any_bands(lines, step, most):
+    """In one band alone x of the green mercury line would be 0.008 off, that of sodium 0.004."""
+    at, functions = photometry.observer("1931")
+    own = sum(np.array([np.interp(line, at, column) for column in functions.T]) for line in lines)
+    bands = Bands.uniform(380, 780, step)
+    power = band_integral(Spectrum([], [], lines, np.ones(len(lines))), bands, "zero").value[None]
+    np.testing.assert_allclose(
+        colorimetric.chromaticity(colorimetric.xyz(power, bands))[0], own[:2] / own.sum(), atol=most
+    )

@@ -147,15 +147,31 @@ def test_bands_with_gaps_count_only_what_is_inside_them():
     np.testing.assert_allclose(binned.value, [2, 18], rtol=1e-14)
 
 
-def test_a_line_goes_whole_into_one_band():
-    bands = Bands.explicit([[400, 410], [410, 420], [430, 440]])
-    wavelength = np.array([400, 410, 415, 420, 425, 440, 399.9, 440.1])
+def test_a_line_goes_whole_into_a_band_without_a_like_neighbour():
+    bands = Bands.explicit([[400, 410], [410, 424], [430, 440]])
+    wavelength = np.array([400, 410, 415, 424, 427, 440, 399.9, 440.1])
     spectrum = Spectrum([], [], wavelength, 2.0 ** np.arange(8))
     np.testing.assert_array_equal(band_integral(spectrum, bands, "refuse").value, [1, 2 + 4 + 8, 32])
 
 
+@given(st.floats(402.5, 477.5), st.sampled_from([5.0, 2.5, 1.0]))
+def test_lines_keep_power_and_mean_wavelength(wavelength, step):
+    bands = Bands.uniform(400, 480, step)
+    power = band_integral(Spectrum([], [], [wavelength], [3.0]), bands, "refuse").value
+    assert power.sum() == pytest.approx(3.0) and power.min() >= 0.0
+    assert power @ bands.centre / 3.0 == pytest.approx(wavelength, abs=1e-9)
+    assert (np.abs(bands.centre[power > 0.0] - wavelength) < step * (1 + 1e-9)).all()
+
+
+def test_a_line_on_an_edge_is_halved_and_one_in_the_middle_is_whole():
+    bands = Bands.explicit([400, 410, 420])
+    np.testing.assert_allclose(band_integral(Spectrum([], [], [410], [2]), bands, "zero").value, [1, 1])
+    np.testing.assert_array_equal(band_integral(Spectrum([], [], [415], [2]), bands, "zero").value, [0, 2])
+    np.testing.assert_array_equal(band_integral(Spectrum([], [], [420], [2]), bands, "zero").value, [0, 2])
+
+
 def test_lines_add_to_the_continuum_and_have_no_mean():
     spectrum = Spectrum([400, 500], [1, 1], [450], [10])
-    np.testing.assert_allclose(band_integral(spectrum, Bands.explicit([400, 450, 500]), "refuse").value, [50, 60])
+    np.testing.assert_allclose(band_integral(spectrum, Bands.explicit([400, 450, 500]), "refuse").value, [55, 55])
     with pytest.raises(ValueError, match="lines"):
         band_mean(spectrum, Bands.explicit([400, 500]), "hold")
