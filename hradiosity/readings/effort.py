@@ -36,6 +36,8 @@ STRATIFIED = 0.4
 paths, which differ in more than where they start, much less is gained."""
 UNSEEN_RAYS = 0.5
 """Rays of a pilot that count as having seen a lamp when none did, or as having missed it when all saw it."""
+UNSEEN_AGAIN = 8
+"""More rays to lamps that a pilot's rays all missed and that would outshine all other light, in such rays."""
 BISECTIONS = 50
 
 
@@ -155,7 +157,8 @@ def plan_effort(
     variance = np.maximum(sums[:, 1].astype(np.float64) / PILOT_PATHS - mean**2, 0.0)
     total = other + mean
     total = np.maximum(total, DARK_SHARE * total.mean())
-    penumbra = np.sqrt(_partial(scene, position, normal, direct, pilot, seed, response)) * brightness
+    worth = np.divide(total[:, None], brightness, out=np.full(direct.shape, np.inf), where=brightness > 0.0)
+    penumbra = np.sqrt(_partial(scene, position, normal, direct, pilot, worth, seed, response)) * brightness
     relative = np.divide(1.0, total, out=np.zeros(n), where=total > 0.0)
     shadow_rays, n_paths = Split(gather_samples, light_samples).shared(
         STRATIFIED * penumbra * relative[:, None], np.sqrt(variance) * relative
@@ -169,19 +172,29 @@ def _partial(
     normal: NDArray[np.float64],
     direct: NDArray[np.float32],
     n_rays: int,
+    worth: NDArray[np.float64],
     seed: int,
     response: NDArray[np.float32] | None,
 ) -> NDArray[np.float64]:
     """(n, n_emitters) variance of one shadow ray's factor: F² v (1 − v), F without obstacles, v the visible share.
 
     A lamp that the pilot's rays all missed may yet be seen by one ray in a hundred, which would be most of the light in
-    a deep shadow; and few rays that all met it prove little.
+    a deep shadow; and few rays that all met it prove little. Lamps whose factor would be above `worth` are looked for
+    by more rays, since what such a doubt calls for would be most of the rays of a dark room's readings.
     """
     samples = 1 if response is None else n_rays
     clear = direct_at_points(scene.without_occlusion(), position, normal, samples, seed, response=response)
     clear = clear.astype(np.float64)
     seen = np.divide(direct, clear, out=np.zeros_like(clear), where=clear > 0.0)
-    likely = np.clip(seen, UNSEEN_RAYS / n_rays, 1.0 - UNSEEN_RAYS / n_rays)
+    rays = np.where((seen == 0.0) & (clear > worth), UNSEEN_AGAIN * n_rays, 0)
+    some = np.flatnonzero(rays.any(axis=1))
+    its_response = None if response is None else response[some]
+    again = direct_at_points(
+        scene, position[some], normal[some], np.maximum(rays[some], 1), seed + 1, response=its_response
+    )
+    seen[some] = np.where(rays[some] > 0, again / np.maximum(clear[some], np.finfo(np.float64).tiny), seen[some])
+    doubt = UNSEEN_RAYS / (n_rays + rays)
+    likely = np.clip(seen, doubt, 1.0 - doubt)
     variance: NDArray[np.float64] = clear**2 * likely * (1.0 - likely)
     return variance
 

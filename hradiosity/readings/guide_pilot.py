@@ -15,8 +15,8 @@ from hradiosity.readings.guide import ACROSS, Guides
 from hradiosity.readings.guide_cuts import Blocks, Cuts, blurred, spread
 from hradiosity.readings.pilot_light import PilotLight
 
-EVEN_SHARE: Final = 0.1
-"""Part of the paths that start evenly, so that none counts more than ten times."""
+EVEN_SHARE: Final = 0.2
+"""Part of the paths that start evenly, so that none counts more than five times."""
 CONTRAST: Final = 4.0
 CONTRAST_PATHS: Final = 256
 """Parts are cut where the brightness found next to them differs by so many times that of the reading; with more paths

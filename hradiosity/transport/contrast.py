@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from hradiosity.space.hierarchy import COVERED, UNLIT, Elements
 from hradiosity.transport.exchange import RowHits
 
-MOST_CONTRAST = 8.0
+MOST_CONTRAST = 5.0
 """Contrast of the received light from which on the solution is looked up there at a path's first hit already: where
 light comes through a gap, the noise of one more ray is worse than one value for a whole element."""
 

@@ -6,7 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from rooms import SceneBuilder
 
+from hradiosity.device import Device
+from hradiosity.options import Options
+from hradiosity.radiosity import RadiositySolver
+from hradiosity.readings import effort
 from hradiosity.readings.effort import LEAST, LEAST_LIGHT, MOST, SHADOW_RAY, Split
 
 spreads = st.lists(st.floats(0.0, 10.0), min_size=1, max_size=40)
@@ -56,3 +61,22 @@ def test_split_beats_even_shares_by_its_own_measure() -> None:
 def test_without_lamps_all_rays_are_paths() -> None:
     light, paths = Split(256, 128).shared(np.zeros((3, 0)), np.array([0.0, 1.0, 2.0]))
     assert light.shape == (3, 0) and paths[2] > paths[0]
+
+
+def test_hidden_lamps_take_few_rays(device: Device, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Behind a wall with a slit a lamp would outshine the readings; the pilot makes sure that it is hidden."""
+    b = SceneBuilder(1)
+    grey = b.material(0.4)
+    b.box((0, 0, 0), (4, 2, 2), grey, inward=True)
+    b.box((1.9, 0, 0), (2.1, 1.9, 2), grey)
+    b.lamp(b.patch((0.8, 0.8, 1.9), (0, 0.4, 0), (0.4, 0, 0), grey), 100.0)
+    b.sensor([(3.0, 0.3, 0.5), (3.5, 0.2, 0.5), (3.0, 0.5, 0.2), (0.5, 1.0, 0.5)], np.tile((0.0, 0.0, 1.0), (4, 1)))
+    rays = []
+    for times in (0, effort.UNSEEN_AGAIN):
+        monkeypatch.setattr(effort, "UNSEEN_AGAIN", times)
+        solver = RadiositySolver(b.scene(), Options(elements=500, replicates=2, gather_samples=512), device)
+        next(state for state in solver.states() if state.stage == "replicate")
+        kept = solver.checkpoint()
+        rays.append((kept["effort/light"].sum(axis=1), kept["effort/gather"]))
+    assert rays[1][0][:3].sum() < 0.7 * rays[0][0][:3].sum()
+    assert rays[1][1].sum() > rays[0][1].sum()
