@@ -13,6 +13,7 @@ from hradiosity.io.drawn_scene import Drawn, Light
 from hradiosity.io.results_tables import half_width_column
 from hradiosity.metrics.colorimetric import chromaticity, xyz
 from hradiosity.metrics.derived import derived_numbers
+from hradiosity.metrics.temperature import REASONS, colour_temperature
 from hradiosity.model.spectrum import Bands
 from hradiosity.show.channels import colours_of_paints
 from hradiosity.show.window.outlines import element_levels
@@ -119,7 +120,8 @@ def _cell_facts(drawn: Drawn, light: Light | None, cell: int, point: NDArray[np.
     nu, nv = (int(n) for n in cells.grid[cell])
     kind = "a group of faces" if len(np.unique(cells.patch[those])) > 1 else str(level)
     lines += [
-        ("level", f"{kind}; patch {cells.patch[cell]} is cut {nu} × {nv}"),
+        ("level", kind),
+        ("patch", f"{cells.patch[cell]}, cut {nu} × {nv}"),
         ("area", f"{cells.area[those].sum():.4g} m²"),
     ]
     arrives = np.asarray(light.irradiance[element], np.float64)
@@ -139,12 +141,21 @@ def light_lines(irradiance: NDArray[np.float64], bands: Bands) -> list[tuple[str
     total = xyz(irradiance, bands)
     x, y = chromaticity(total)
     numbers = {name: float(value[0]) for name, value in derived_numbers(irradiance[None], bands).items()}
+    warm = colour_temperature(total[None])
+    known = bool(np.isfinite(warm.cct[0]))
     return [
         ("illuminance", f"{total[1]:.4g} lx"),
         ("x, y", _pair(x, y)),
-        ("CCT", f"{numbers['cct_k']:.0f} K" if np.isfinite(numbers["cct_k"]) else "none"),
+        ("CCT", f"{warm.cct[0]:.0f} K" if known else _no_temperature(float(warm.reason[0]))),
+        ("Duv", f"{warm.duv[0]:.4f}" if known else "none"),
         ("melanopic EDI", f"{numbers['melanopic_edi_lx']:.4g} lx"),
     ]
+
+
+def _no_temperature(reason: float) -> str:
+    """Why a light has no correlated colour temperature."""
+    told = REASONS[int(reason)] if np.isfinite(reason) else ""
+    return f"none: {told}" if told else "none"
 
 
 def _sensor_facts(drawn: Drawn, number: int) -> Facts:
@@ -158,8 +169,12 @@ def _sensor_facts(drawn: Drawn, number: int) -> Facts:
     if sensors.spectra is None:
         return Facts(title, tuple(lines), ())
     looks = bool(sensors.looks[number])
+    reasons = sensors.numbers.get("cct_reason")
     for label, name, unit, digits in _LUMINANCE_NUMBERS if looks else _SENSOR_NUMBERS:
-        lines.append((label, _interval(sensors.numbers, number, name, half_width_column(name), unit, digits)))
+        told = _interval(sensors.numbers, number, name, half_width_column(name), unit, digits)
+        if name == "cct_k" and told == "none" and reasons is not None:
+            told = _no_temperature(float(reasons[number]))
+        lines.append((label, told))
     value, half_width = (of_all[number] for of_all in sensors.spectra())
     bands = drawn.words.bands
     name, unit = ("radiance", "W m⁻² sr⁻¹ nm⁻¹") if looks else ("irradiance", "W m⁻² nm⁻¹")

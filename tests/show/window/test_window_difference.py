@@ -8,6 +8,7 @@ import pytest
 from hradiosity.errors import SceneError
 from hradiosity.io.results_reading import read_result
 from hradiosity.io.scene_drawing import draw_scene
+from hradiosity.model.spectrum import Bands
 from hradiosity.show.window.difference import (
     Comparison,
     difference_bytes,
@@ -15,7 +16,7 @@ from hradiosity.show.window.difference import (
     difference_scale,
     painted_difference,
 )
-from hradiosity.show.window.facts import facts_of, joined_facts
+from hradiosity.show.window.facts import facts_of, joined_facts, light_lines
 from hradiosity.show.window.locating import middles
 from hradiosity.show.window.look import NO_LINES, Look
 from hradiosity.show.window.picking import Picked
@@ -143,6 +144,15 @@ def test_facts_of_an_element_are_its_numbers(subject):
     assert lines["point"] == "1.000, 2.000, 3.000 m"
     assert [curve.name for curve in facts.curves] == ["irradiance", "radiance", "reflectance"]
     assert "m²" in lines["area"] and "CCT" in lines and "x, y" in lines
+
+
+def test_why_there_is_no_colour_temperature_is_told():
+    bands = Bands.uniform()
+    green = np.where(np.abs(bands.centre - 540.0) < 10.0, 1.0, 0.0)
+    found = dict(light_lines(green, bands))
+    assert found["CCT"].startswith("none: more than") and found["Duv"] == "none"
+    assert dict(light_lines(0.0 * green, bands))["CCT"] == "none: no light"
+    assert dict(light_lines(np.ones(len(bands)), bands))["CCT"].endswith(" K")
 
 
 def test_facts_of_a_sensor_are_its_reading(subject, solved):
