@@ -16,8 +16,8 @@ from hradiosity.show.window.vertices import swollen
 
 
 @pytest.fixture
-def off_screen(monkeypatch):
-    """VTK draws with EGL, whatever display there is."""
+def off_screen(monkeypatch, device):
+    """VTK draws with EGL, whatever display there is; PoCL comes first, since it aborts after Mesa's LLVM."""
     monkeypatch.setenv("VTK_DEFAULT_OPENGL_WINDOW", "vtkEGLRenderWindow")
 
 
