@@ -191,7 +191,7 @@ def summary(steps: Sequence[Step]) -> list[str]:
 
 
 def plot(steps: Sequence[Step]) -> str:
-    """SVG: seconds of the run and its stages, error, and memory against faces."""
+    """SVG: seconds of the run and at one error, error, and memory against faces."""
     faces = [step.faces for step in steps]
     first = steps[0]
     guide = [first.cpu_seconds * n * np.log(n) / (first.faces * np.log(first.faces)) for n in faces]
@@ -199,8 +199,6 @@ def plot(steps: Sequence[Step]) -> str:
         Line("whole run, CPU s", faces, [step.cpu_seconds for step in steps]),
         Line("the same at 1 % error, CPU s", faces, [max(step.equal_seconds, 1e-3) for step in steps]),
     ]
-    largest = sorted(steps[-1].stages, key=lambda name: -steps[-1].stages[name])[:3]
-    seconds += [Line(f"{name}, wall s", faces, [step.stages.get(name, 1e-3) for step in steps]) for name in largest]
     seconds.append(Line("linear × log", faces, guide, guide=True))
     errors = [
         Line("spectral rms", faces, [100.0 * step.spectral_rms for step in steps]),
