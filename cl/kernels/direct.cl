@@ -39,20 +39,36 @@ HR_FORCE_INLINE float hr_hidden(const float3 x, const float3 n, const uint own, 
     return hidden;
 }
 
-/* What each emitter would send to each row without any obstacle, for unit emission: mean over points spread over it. */
+/* What each emitter would send to each row without any obstacle, for unit emission: mean over points spread over it.
+   With HR_ROUGH by the emitter's middle alone where it is far away, which takes half of the time. */
 __kernel void bound_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
-                         __global float *clear, /* (n_rows, n_emitters) [1] or [m^-2] */
+                         __global const uchar *row_sight, /* (n_rows, n_emitters) HR_SIGHT_…     */
+                         __global float *clear,           /* (n_rows, n_emitters) [1] or [m^-2]  */
                          const uint n_points, const uint n_emitters, const uint n_items)
 {
     const uint i = get_global_id(0);
     if (i >= n_items)
         return;
+    if (row_sight[i] == HR_SIGHT_HIDDEN) {
+        clear[i] = 0.0f;
+        return;
+    }
     const uint row = i / n_emitters, emitter = i % n_emitters;
     float sum = 0.0f;
     for (uint k = 0; k < n_points; ++k) {
         const hr_place place = hr_place_on_row(row, hr_sample(k, 0, row), hr_sample(k, 1, row), HR_ELEMENT, HR_PATCH);
-        if (place.patch != emitter_patch[emitter])
-            sum += hr_emitter_factor(place.position, place.normal, emitter, HR_EMITTER, HR_PATCH);
+        if (place.patch == emitter_patch[emitter])
+            continue;
+        const float3 x = place.position, n = place.normal;
+#if HR_ROUGH
+        const float far_area = emitter_patch[emitter] == HR_NONE ? 1.0f : hr_far_area(x, emitter, HR_EMITTER);
+        if (far_area > 0.0f) {
+            const float3 middle = hr_emitter_point(emitter, 0.5f, 0.5f, HR_EMITTER, HR_PATCH);
+            sum += far_area * hr_emitter_weight(x, n, middle, emitter, HR_EMITTER, HR_PATCH);
+            continue;
+        }
+#endif
+        sum += hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
     }
     clear[i] = sum / (float)n_points;
 }

@@ -159,9 +159,14 @@ def row_sight(
     n_rows = len(elements)
     sight = np.zeros((n_rows, len(emitters.patch)), np.uint8)
     if n_rows:
-        in_order = cells[elements.row_cell]
-        for kind in (FREE, HIDDEN):
-            sight[np.logical_and.reduceat(in_order == kind, elements.row_start[:-1].astype(np.int64))] = kind
+        start, count = elements.row_start[:-1].astype(np.int64), np.diff(elements.row_start).astype(np.int64)
+        sight = cells[elements.row_cell[start]]
+        several = count > 1
+        if several.any():
+            of_these = cells[elements.row_cell[np.repeat(several, count)]]
+            first = np.cumsum(count[several]) - count[several]
+            low, high = (extreme.reduceat(of_these, first) for extreme in (np.minimum, np.maximum))
+            sight[several] = np.where(low == high, low, UNKNOWN)
     return sight
 
 
@@ -209,8 +214,10 @@ def _cell_sight(
         squares = _level(lit_side, divisions, triangle, top, level)
         if level < depth:
             sight = sight[squares.parent]
-        pairs = np.nonzero((sight == UNKNOWN) & squares.new[:, None] & shared[squares.side])
-        used, receiver = np.unique(pairs[0], return_inverse=True)
+        tried = (sight == UNKNOWN) & squares.new[:, None] & shared[squares.side]
+        pairs = np.nonzero(tried)
+        some = tried.any(axis=1)
+        used, receiver = np.flatnonzero(some), (np.cumsum(some) - 1)[pairs[0]]
         receivers = _receivers(patches, elements, squares, used, level)
         reach = FARTHEST * lit.free_path
         sight[pairs] = prove_sight(bvh, receivers, emitters, receiver, pairs[1], reach=reach)

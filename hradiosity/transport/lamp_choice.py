@@ -35,7 +35,7 @@ def lamp_probability(
     n_rows, n_emitters = len(elements.elements), scene.n_emitters
     if n_emitters <= 2 * TRIED or not scene.occlusion or n_rows == 0:
         return None
-    light = light_without_obstacles(scene, elements) * emission.mean(axis=1)
+    light = light_without_obstacles(scene, elements, roughly=True) * emission.mean(axis=1)
     if sight is not None:
         light[sight == HIDDEN] = 0.0
     total = light.sum(axis=1, keepdims=True)
@@ -44,15 +44,20 @@ def lamp_probability(
     return chance
 
 
-def light_without_obstacles(scene: DeviceScene, elements: DeviceElements) -> NDArray[np.float32]:
-    """(n_rows, n_emitters) irradiance for unit emission if nothing is in the way."""
+def light_without_obstacles(
+    scene: DeviceScene, elements: DeviceElements, *, roughly: bool = False
+) -> NDArray[np.float32]:
+    """(n_rows, n_emitters) irradiance for unit emission if nothing is in the way, 0 where that is proved hidden anyway;
+    roughly, from far emitters by their middle alone.
+    """
     n_rows, n_emitters = len(elements.elements), scene.n_emitters
     clear = scene.device.empty((n_rows, n_emitters), np.float32)
-    scene.device.kernel("direct", "bound_rows")(
+    scene.device.kernel("direct", "bound_rows", HR_ROUGH=int(roughly))(
         n_rows * n_emitters,
         **scene.geometry,
         **elements.cells,
         **scene.emitters,
+        row_sight=elements.sight(scene),
         clear=clear,
         n_points=BOUND_POINTS,
         n_emitters=n_emitters,

@@ -11,7 +11,7 @@ from hradiosity.space.shafts import HIDDEN
 from hradiosity.transport.device_scene import upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import trace_rows
-from hradiosity.transport.lamp_choice import LEAST_PROBABILITY, TRIED, lamp_probability
+from hradiosity.transport.lamp_choice import LEAST_PROBABILITY, TRIED, lamp_probability, light_without_obstacles
 
 SIDE = 9
 
@@ -82,3 +82,17 @@ def test_lamps_proved_hidden_take_no_share(hall):
 def test_few_lamps_are_all_tried(device, hall):
     scene, elements = hall
     assert lamp_probability(scene.without_occlusion(), elements, emission(SIDE**2), None) is None
+
+
+def test_rough_light_is_that_of_far_lamps_within_a_few_per_cent(hall):
+    scene, elements = hall
+    exact, rough = (light_without_obstacles(scene, elements, roughly=roughly) for roughly in (False, True))
+    assert np.abs(rough - exact).sum() < 0.03 * exact.sum()
+    assert not np.array_equal(rough, exact)
+    chance, sure = (_chances(light) for light in (rough, exact))
+    assert np.abs(chance - sure).mean() < 0.01
+
+
+def _chances(light):
+    share = light / np.maximum(light.sum(axis=1, keepdims=True), 1e-30)
+    return np.clip(TRIED * share, LEAST_PROBABILITY, 1.0)
