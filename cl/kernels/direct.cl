@@ -78,11 +78,13 @@ __kernel void bound_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_E
    closed form. Else, from afar each takes one sample of the kernel; near an emitter it takes the closed form less what
    is found hidden if another point found the emitter open, and what it finds open itself if none did: no noise in full
    view, 0 behind a wall, and no bias, since rays near an emitter are drawn independently of those of other points.
-   With HR_CHANCE an emitter is tried with a probability of its own, and what it sends counts as many times more. */
+   With HR_CHANCE an emitter is tried with a probability of its own, and what it sends counts as many times more; with
+   HR_EACH each row has a number of points of its own for every emitter. */
 __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const uint *hit_row, /* (n_rows, n_samples), from trace_rows          */
                           __global const uchar *row_sight, /* (n_rows, n_emitters) HR_SIGHT_…            */
                           __global const float *chance, /* (n_rows, n_emitters) of trying, with HR_CHANCE */
+                          __global const uint *row_points, /* (n_rows, n_emitters), with HR_EACH         */
                           __global float *direct,       /* (n_rows, n_emitters) [1] or [m^-2]            */
                           const uint n_samples, const uint n_points, const uint n_emitters, const uint occlusion,
                           const uint seed, const float scale, const uint n_items)
@@ -108,10 +110,15 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     }
     counts = 1.0f / chance[i];
 #endif
+#if HR_EACH
+    const uint most = row_points[i];
+#else
+    const uint most = n_points;
+#endif
     float sum = 0.0f;
     float lone = 0.0f;
     uint exposed = 0, open = 0;
-    for (uint k = 0; k < n_samples && exposed < n_points; ++k) {
+    for (uint k = 0; k < n_samples && exposed < most; ++k) {
         if (hit_row[row * n_samples + k] == HR_COVERED)
             continue;
         ++exposed;

@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
+from hradiosity.device.device import DeviceArray
 from hradiosity.estimate import EXCHANGE, MESH
 from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.scene import Note, Scene
@@ -44,11 +45,14 @@ from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import ClosedRows, Exchange, RowHits, build_exchange, trace_rows
 from hradiosity.transport.glow import sampled_scene
 from hradiosity.transport.lamp_choice import lamp_probability
+from hradiosity.transport.lamp_doubt import points_for_lamps
 
 RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
 COMPANION_ROTA = (MESH, "", MESH, EXCHANGE)
 """What the replicates' companions tell about, in turn; these changes are far steadier than the readings themselves."""
+POINTS_SEED = 0x7F4A7C15
+"""Of the pilot that tells where lamps call for more points; no replicate has this seed."""
 LOST_SHARE = 1e-4
 """Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
 
@@ -111,6 +115,14 @@ class SurfaceSolver:
         chance = lamp_probability(self.on_device, self.on_device_elements, self.light.emission, self.sight)
         self._tried = None if chance is None else float(chance.sum())
         self._chance = None if chance is None else self.device.upload(chance)
+        self._points = self._points_for_lamps() if chance is None else None
+
+    def _points_for_lamps(self) -> DeviceArray | None:
+        """Where lamps call for more points than the plan has, for `direct_on_rows`."""
+        seed = self.options.seed ^ POINTS_SEED
+        place = self.on_device, self.on_device_elements
+        points = points_for_lamps(*place, self.light.emission, self.sight, self.plan.light_points, seed)
+        return None if points is None else self.device.upload(points)
 
     def _divide(self, lit: LitSides) -> Elements:
         """The row elements of the lit sides."""
@@ -131,7 +143,7 @@ class SurfaceSolver:
             hits = self._trace(seed)
         with self.record.timed("direct light"):
             per_emitter = direct_on_rows(
-                self.on_device, self.on_device_elements, hits, self.plan.light_points, seed, self._chance
+                self.on_device, self.on_device_elements, hits, self.plan.light_points, seed, self._chance, self._points
             )
             traced = per_emitter.size if self.sight is None else int(np.count_nonzero(self.sight == UNKNOWN))
             traced = traced if self._tried is None else min(traced, round(self._tried))

@@ -22,6 +22,7 @@ def direct_on_rows(
     n_points: int,
     seed: int,
     chance: DeviceArray | None = None,
+    points: DeviceArray | None = None,
 ) -> NDArray[np.float32]:
     """Mean irradiance of each row element's exposed part for unit emission of each emitter.
 
@@ -33,6 +34,8 @@ def direct_on_rows(
         Points on each element; at each, one ray goes to each emitter that the element is not proved to see.
     chance : (n_rows, n_emitters) float32 on the device, optional
         Probability of trying an emitter, see `hradiosity.transport.lamp_choice`.
+    points : (n_rows, n_emitters) uint32 on the device, optional
+        In place of `n_points`, see `hradiosity.transport.lamp_doubt`.
 
     Returns
     -------
@@ -43,7 +46,7 @@ def direct_on_rows(
     if scene.n_emitters == 0 or n_rows == 0:
         return np.zeros((n_rows, scene.n_emitters), np.float32)
     direct = scene.device.empty((n_rows, scene.n_emitters), np.float32)
-    scene.device.kernel("direct", "direct_rows", HR_CHANCE=int(chance is not None))(
+    scene.device.kernel("direct", "direct_rows", HR_CHANCE=int(chance is not None), HR_EACH=int(points is not None))(
         n_rows * scene.n_emitters,
         **scene.geometry,
         **elements.cells,
@@ -51,6 +54,7 @@ def direct_on_rows(
         hit_row=hits.on_device,
         row_sight=elements.sight(scene),
         chance=direct if chance is None else chance,
+        row_points=hits.on_device if points is None else points,
         direct=direct,
         n_samples=hits.row.shape[1],
         n_points=n_points,
