@@ -252,3 +252,10 @@ def test_camera_inside_a_wall(room, call, tmp_path):
     for part in ("scene.toml", "door", "block"):
         assert part in outcome.err
     assert not (tmp_path / "out.partial").exists()
+
+
+def test_a_run_over_links_tells_them_in_its_record(room, call, tmp_path):
+    outcome = call("render", room, "-o", tmp_path / "out", "--no-audit", "--links", "hierarchical", *QUICK)
+    assert outcome.code == 0, outcome.err
+    run = json.loads((tmp_path / "out" / "run.json").read_text())
+    assert isinstance(run["plan"]["links"], dict) and run["links"]["total"] > 0
