@@ -15,6 +15,8 @@ MESH: Final = "mesh"
 """What smaller elements would change, by the change from elements of twice the size."""
 EXCHANGE: Final = "exchange"
 """What more rays from each element would change, by the change from half of them."""
+UNSEEN: Final = "unseen"
+"""Light that a dark reading may have though none of its rays found any."""
 
 
 @dataclass(frozen=True)

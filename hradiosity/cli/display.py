@@ -190,7 +190,8 @@ class LiveDisplay(Display):
 def where(state: State) -> str:
     """How far a run is."""
     if state.replicate:
-        return f"replicate {state.replicate} of {state.replicates}"
+        what = "further samples, " if state.stage == "further samples" else ""
+        return f"{what}replicate {state.replicate} of {state.replicates}"
     return "larger replicates from here" if state.stage == "larger replicates" else "geometry ready"
 
 

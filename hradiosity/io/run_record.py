@@ -139,13 +139,13 @@ def _plain(value: Any) -> Any:
 def _repeat_with(solution: Solution) -> dict[str, Any] | None:
     """Options that give the same bits again, whatever ended the run: samples of a replicate times replicates.
 
-    Where samples were moved to unsure readings, only the same way there repeats them: the accuracy that was asked for,
-    and from where it set out; nothing does when the clock had a say in that too.
+    Where unsure readings got more samples, only the same way there repeats them: the accuracy that was asked for, and
+    from where it set out; nothing does when the clock had a say in that too.
     """
     plan, count, options = solution.plan, solution.replicates, solution.record["options"]
     alike = {name: options[name] for name in ("lookup", "mode", "form_factors", "seed")}
     totals = ("rays_per_element", "light_points", "light_samples", "gather_samples")
-    if solution.record["focused"]:
+    if solution.record["further_samples"]:
         if options["time"] is not None:
             return None
         start = ("replicates", "elements" if options["element_size"] is None else "element_size", *totals)

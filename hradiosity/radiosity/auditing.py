@@ -102,10 +102,11 @@ def no_audit_because(solution: Solution) -> str | None:
 def most_rays(solution: Solution) -> int:
     """Rays that an audit may trace; its first round is traced in any case.
 
-    Replicates that were given up for larger ones do not count, since a run that repeats the others lacks them.
+    Replicates of which nothing was kept do not count, since a run that repeats the others lacks them.
     """
     record = solution.record
-    rays = record["rays"] - max((given_up["rays"] for given_up in record["rounds_given_up"]), default=0)
+    given_up = [some["rays"] for some in record["rounds_given_up"] if not some["readings_kept"]]
+    rays = record["rays"] - max(given_up, default=0)
     elements = ELEMENT_RAYS * record["elements"] * solution.replicates
     return int(RAYS_SHARE * (rays + elements + HEMICUBE_RAYS * record["hemicubes"]["drawn"]))
 

@@ -1,4 +1,4 @@
-"""How a run goes on when an accuracy or a time is asked for: more replicates, or a new round with larger ones.
+"""How a run goes on when an accuracy or a time is asked for: more samples, or a new round on other elements.
 
 Pure functions of what the replicates so far say; nothing here looks at a clock.
 """
@@ -11,20 +11,20 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.estimate import EXCHANGE, MESH, SAMPLING, student_quantile
+from hradiosity.estimate import student_quantile
 from hradiosity.options import Options
-from hradiosity.solution import Readings
+from hradiosity.radiosity.accuracies import Accuracies
 
 MOST_REPLICATES: Final = 256
-ROUND_REPLICATES: Final = 24
-"""More replicates than these in one round are dearer than a round with larger ones."""
-HOPELESS_REPLICATES: Final = 64
-"""The same once a round has gone on beyond its first replicates: what it has is then worth more."""
 FIXED_SHARE: Final = 0.7
-"""Of the wanted half width, what parts that replicates do not narrow may have."""
-MESH_SHARE, EXCHANGE_SHARE, OTHER_SHARE = 0.45, 0.25, 0.4
-"""What they are brought down to in a new round: by elements and lookups, by rays from each element, and, for the
-iteration and combined columns, by the solver's tolerance."""
+"""Of the wanted half width, what parts that samples do not narrow may have before something is done about them."""
+MESH_SHARE, EXCHANGE_SHARE, OTHER_SHARE = 0.45, 0.4, 0.4
+"""What they are brought down to then: by elements and lookups, by rays from each element, and, for the iteration and
+combined columns, by the solver's tolerance."""
+SAME_MESH_SHARE: Final = 0.65
+"""The same for the mesh part where the elements stay as they are: if that proves too much, little was spent on it."""
+WORST_EXCHANGE_SHARE: Final = 0.6
+"""The same for the exchange part of the worst reading, mostly noise; the other share is for `MOST_READINGS`."""
 MESH_ORDER: Final = 1.5
 """Power of the edge of elements with which the mesh part falls, about."""
 DEEP: Final = 3
@@ -34,21 +34,32 @@ DEEP_GAIN, DEEP_NOISE, DEEP_PRICE = 2.5, 6.0, 2.5
 over office and Cornell box, for lookups at the first hit before, and the larger of both for the variance."""
 ELEMENT_PATHS: Final = 200.0
 """Price of an element in all replicates, in paths: rays, closing and solution. Measured in the office."""
+RAYS_PRICE: Final = 0.5
+"""Share of that that grows with the number of its rays."""
 MOST_READINGS: Final = 0.9
-"""Share of the readings whose exchange part a new round brings down to that; of the others it is mostly noise, and only
-brought down to the accuracy."""
-SURFACES_ROOM: Final = 0.25
-"""Of the variance that a new round may have, what may come from the light on the elements."""
-SAMPLES_ORDER: Final = 1.2
-"""Power of the number of samples with which the variance of a reading falls, at least: stratified ones do better than
-independent ones; 1.36 was measured in the office, from 512 to 8192."""
-MARGIN: Final = 2.0
-"""More samples in a new round than the spread of the last one calls for. The spread is itself an estimate from few
-replicates: among hundreds of equally sure readings the worst then shows about 1.7 times the spread of the rest."""
-LATER_MARGIN: Final = 2.0
-"""The same once more in later rounds, in which few readings lack anything and the others would only be repeated."""
+NOISE_SHARE: Final = 0.35
+"""Of the wanted half width squared, what may for certain come from the noise of the light on the elements."""
+NOISE_GOAL: Final = 0.25
+"""What it is brought down to then."""
+MARGIN: Final = 1.15
+"""More samples than the spread so far calls for: it is an estimate from few replicates, and it takes a further step to
+mend one that was too low."""
+MOST_DEEPER: Final = 4.0
+"""Samples of a reading after one step over those before: the spread that calls for more is itself uncertain."""
+FIRST_STEPS: Final = 2
+"""Steps of more samples that readings have had before anything dearer is done for their sake, see `FIRST_SHARE`."""
+SURE_ENOUGH: Final = 2.0
+"""Samples that readings need over those they have had, above which their mesh and exchange parts are noise as well."""
+FIRST_SHARE: Final = 0.25
+"""Of the price of other elements, what samples may cost that are taken first, to be surer whether they are needed."""
+MOST_STEPS: Final = 6
+"""After so many steps that brought a reading more samples, what is left of its noise is taken to be the elements'."""
+LEAST_DEEPER: Final = 0.25
+"""Samples of a step over those before, at least."""
+MOST_TIMES: Final = 2.0**20
+"""Samples of a reading over those of its first go."""
 MOST_GROWTH: Final = 256.0
-"""Of samples or elements, from one round to the next."""
+"""Of all samples, elements or rays, from one round to the next."""
 LEAST_TOLERANCE: Final = 1e-6
 """Of the linear solver: single precision gets no further."""
 WORTH_A_ROUND: Final = 2.0
@@ -56,80 +67,51 @@ WORTH_A_ROUND: Final = 2.0
 
 
 @dataclass(frozen=True)
-class Accuracies:
-    """Half widths of all readings over what accuracy refers to (see `Readings.accuracy`), part by part.
+class Held:
+    """What readings have had so far.
 
-    sampling : (n,) float64, that more replicates narrow
-    mesh : (n,) float64, that smaller elements narrow
-    exchange : (n,) float64, that more rays from each element narrow
-    other : (n,) float64, all others in quadrature
-    surfaces : share of the variance between replicates that comes from the light on the elements, which samples of
-        the readings leave as it is
+    paths : (n,) float64, of each in one go of a replicate
+    times : (n,) float64, goes
+    lookup : (n,) int64, first hit at which they look the solution up
+    steps : (n,) int64, in which they got more samples by the same light on the elements
+    one_go : (n,) float64, square of the half width that the samples of one go leave, without what others leave
     """
 
-    sampling: NDArray[np.float64]
-    mesh: NDArray[np.float64]
-    exchange: NDArray[np.float64]
-    other: NDArray[np.float64]
-    surfaces: float = 0.0
+    paths: NDArray[np.float64]
+    times: NDArray[np.float64]
+    lookup: NDArray[np.int64]
+    steps: NDArray[np.int64]
+    one_go: NDArray[np.float64]
 
-    @classmethod
-    def of(cls, readings: dict[str, Readings], surfaces: float = 0.0) -> Accuracies:
-        """Of all readings, in the order of the sensors."""
-        parts = [_relative_parts(found) for found in readings.values()]
-        joined = [np.concatenate([np.zeros(0), *(part[k] for part in parts)]) for k in range(4)]
-        sampling, mesh, exchange, other = joined
-        return cls(sampling, mesh, exchange, other, surfaces)
-
-    def foreseen(self, done: int, replicates: int) -> Accuracies:
-        """As expected after `replicates` instead of the `done` ≥ 2 that they are from."""
-        quantiles = student_quantile(0.95, replicates - 1) / student_quantile(0.95, done - 1)
-        return replace(self, sampling=quantiles * (done / replicates) ** 0.5 * self.sampling)
-
-    @property
-    def fixed(self) -> NDArray[np.float64]:
-        """(n,) all but sampling, in quadrature."""
-        return np.asarray(np.sqrt(self.mesh**2 + self.exchange**2 + self.other**2))
-
-    @property
-    def total(self) -> NDArray[np.float64]:
-        """(n,) all in quadrature."""
-        return np.asarray(np.hypot(self.sampling, self.fixed))
-
-
-def _relative_parts(found: Readings) -> tuple[NDArray[np.float64], ...]:
-    estimate = found.numbers["illuminance"]
-    base = found.accuracy_base
-    share = np.divide(estimate.factor, base, out=np.zeros_like(base), where=base > 0.0)
-    parts, none = estimate.parts, np.zeros_like(base)
-    named = (SAMPLING, MESH, EXCHANGE)
-    other = np.sqrt(np.sum([part**2 for name, part in parts.items() if name not in named] or [none], axis=0))
-    return *(share * parts.get(name, none) for name in named), share * other
+    def price(self, times: NDArray[np.float64], lookup: NDArray[np.int64]) -> float:
+        """Of so many goes, in paths that look the solution up at the first hit."""
+        return float((self.paths * times * DEEP_PRICE ** ((lookup - 1.0) / (DEEP - 1.0))).sum())
 
 
 @dataclass(frozen=True)
-class Round:
-    """How large the replicates of a round are.
+class Step:
+    """What a run does next to readings that are not accurate enough.
 
-    options : of the run, with this round's elements and samples
-    focus : (n,) float64, samples of each reading over those that the round's pilot gives it; no entries for 1
-    lookup : (n,) int64, first hit at which paths of each reading may look the solution up; no entries for that of the
-        options
+    options : elements and rays of the replicates
+    times : (n,) float64, goes of each reading, none where it is left as it is
+    lookup : (n,) int64, first hit at which it looks the solution up
+    anew : (n,) bool, whether its earlier goes do not count any more
+    larger : whether the replicates have to be solved afresh
     """
 
     options: Options
-    focus: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
+    times: NDArray[np.float64] = field(default_factory=lambda: np.zeros(0))
     lookup: NDArray[np.int64] = field(default_factory=lambda: np.zeros(0, np.int64))
+    anew: NDArray[np.bool_] = field(default_factory=lambda: np.zeros(0, np.bool_))
+    larger: bool = False
 
-    def of_readings(self, n: int) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
-        """Focus and lookup of n readings."""
-        focus = self.focus if len(self.focus) else np.ones(n)
-        return focus, self.lookup if len(self.lookup) else np.full(n, self.options.lookup)
+    def price(self, held: Held) -> float:
+        """Of its readings in a replicate, in paths."""
+        return held.price(self.times, self.lookup)
 
-    def price(self, samples: NDArray[np.floating] | NDArray[np.int64]) -> float:
-        """Of the paths of the readings, `samples` (n,) of them, in paths that look the solution up at the first hit."""
-        _, lookup = self.of_readings(len(samples))
-        return float((samples * DEEP_PRICE ** ((lookup - 1.0) / (DEEP - 1.0))).sum())
+    def shortened(self, share: float) -> Step:
+        """The same with a share of its samples, for what there is time for."""
+        return replace(self, times=share * self.times)
 
 
 def replicates_needed(found: Accuracies, accuracy: float, done: int) -> int | None:
@@ -150,72 +132,159 @@ def replicates_needed(found: Accuracies, accuracy: float, done: int) -> int | No
     return None
 
 
-def next_round(found: Accuracies, accuracy: float, last: Round, done: int) -> Round | None:
-    """A round whose replicates are expected to be accurate enough; None when more of the same are better.
+def next_step(found: Accuracies, accuracy: float, options: Options, held: Held, *, ahead: bool = False) -> Step | None:
+    """What brings the readings that lack it to an accuracy; None where all have it, or where nothing is left to do.
 
-    Readings that are not sure enough get more samples. A first round leaves room for all parts; later ones mend what
-    is off. Where the mesh part is too large, either all elements become
-    smaller or those readings look the solution up later, whatever is cheaper. Elements send more rays where the
-    exchange part, or the share of the noise that comes from the elements, asks for it.
+    Readings that are accurate stay as they are. The others get more samples by the same light on the elements, unless
+    something else is in their way: where the mesh part is too large, either all elements become smaller or those
+    readings look the solution up later, whatever is cheaper; elements send more rays where the exchange part or their
+    own noise asks for it, and the solver goes on for longer.
 
     Parameters
     ----------
-    found : Accuracies
-        After `done` replicates of the size `last`.
+    options : Options
+        With the elements and rays of the replicates so far.
+    ahead : bool
+        Leave out samples that are only taken to be surer of what comes then, for a forecast.
     """
-    needed = replicates_needed(found, accuracy, done)
-    most = ROUND_REPLICATES if done <= last.options.replicates else HOPELESS_REPLICATES
-    if needed is not None and needed <= most and (found.fixed <= FIXED_SHARE * accuracy).all():
+    lacking = found.total > accuracy
+    if not lacking.any():
         return None
-    focus, lookup = last.of_readings(len(found.sampling))
-    again = len(last.focus) > 0
-    shares = FIXED_SHARE if again else MESH_SHARE, EXCHANGE_SHARE, OTHER_SHARE
-    targets = [share * accuracy for share in shares]
-    fixed = [np.minimum(part, most) for part, most in zip((found.mesh, found.exchange, found.other), targets)]
-    room = accuracy**2 - np.sum(np.square(fixed), axis=0)
-    excess = MARGIN * done / last.options.replicates * found.sampling**2 / room
-    elements, deep = _finer(found, targets[0], last, excess)
-    wanted = excess * np.where(deep, DEEP_NOISE, 1.0)
-    need = np.where(wanted > 1.0, (wanted * (LATER_MARGIN if again else 1.0)) ** (1.0 / SAMPLES_ORDER), 1.0)
-    need = np.minimum(need, MOST_GROWTH)
-    exchange = np.where(deep, found.exchange / DEEP_GAIN, found.exchange)
-    noise = found.surfaces * float(np.median(excess)) / SURFACES_ROOM / elements
-    usual = float(np.quantile(exchange, MOST_READINGS)) if len(exchange) else 0.0
-    worst = float(exchange.max(initial=0.0)) / accuracy
-    rays = min(max(usual / targets[1], worst, noise, 1.0), MOST_GROWTH)
-    options = grown(last.options, elements=elements, rays=rays)
-    looser = float(found.other.max(initial=0.0)) / targets[2]
-    if looser > 1.0:
-        options = replace(options, tolerance=max(options.tolerance / looser, LEAST_TOLERANCE))
-    return Round(options, focus * need, np.where(deep, DEEP, lookup))
+    found = replace(found, common=np.where(held.steps >= MOST_STEPS, found.sampling, found.common))
+    off = lacking & ((found.fixed > FIXED_SHARE * accuracy) | _noisy(found, accuracy))
+    remedy = _cheapest_remedy(found, accuracy, options, held, lacking, off)
+    step = _step(found, accuracy, remedy.options(found, accuracy, options, off), held, lacking, remedy.deep, options)
+    if step is None or not step.larger or ahead:
+        return step
+    needed = goes_needed(found, accuracy, held)
+    unsure = lacking & ((needed > SURE_ENOUGH * held.times) | (held.steps < FIRST_STEPS))
+    if 2 * np.count_nonzero(unsure & off) < np.count_nonzero(off) or not off.any():
+        return step
+    first = _step(found.without_fixed(), accuracy, options, held, unsure, np.zeros_like(unsure), options)
+    price = _price(remedy, found, accuracy, options, held, lacking)
+    cheap = first is not None and options.replicates * first.price(held) < FIRST_SHARE * price
+    return first if cheap else step
 
 
-def _finer(
-    found: Accuracies, target: float, last: Round, excess: NDArray[np.float64]
-) -> tuple[float, NDArray[np.bool_]]:
-    """Growth of the number of elements, and which readings look the solution up later: the cheapest way to a mesh part.
+def _step(
+    found: Accuracies,
+    accuracy: float,
+    options: Options,
+    held: Held,
+    lacking: NDArray[np.bool_],
+    deep: NDArray[np.bool_],
+    before: Options,
+) -> Step | None:
+    """Samples for readings that lack accuracy, some of which look the solution up later; None where none help."""
+    larger = options != before
+    if options.tolerance != before.tolerance:
+        lacking = np.ones_like(lacking)
+    total = np.minimum(goes_needed(found, accuracy, held) * np.where(deep, DEEP_NOISE, 1.0), MOST_TIMES)
+    anew = lacking & (deep | larger)
+    further = np.clip(total - held.times, LEAST_DEEPER * held.times, (MOST_DEEPER - 1.0) * held.times)
+    most = MOST_TIMES if larger else MOST_DEEPER * held.times
+    times = np.where(anew, np.clip(total, 1.0, most), further)
+    of_use = anew | ((found.fixed < accuracy) & (held.times < MOST_TIMES))
+    times = np.where(lacking & of_use, times, 0.0)
+    if not times.any():
+        return None
+    return Step(options, times, np.where(deep, DEEP, held.lookup), anew & (times > 0.0), larger)
 
-    Parameters
-    ----------
-    target : float
-        Largest mesh part of any reading.
-    excess : (n,) float64
-        Variances over what they may be.
+
+def goes_needed(found: Accuracies, accuracy: float, held: Held) -> NDArray[np.float64]:
+    """(n,) goes in all, with which the readings are accurate.
+
+    Parts that samples do not narrow count as they will be at the most: they are brought down.
     """
-    focus, lookup = last.of_readings(len(excess))
-    paths = last.options.gather_samples * focus
-    best = np.inf, MOST_GROWTH, found.mesh > target
+    fixed = np.minimum(found.fixed, FIXED_SHARE * accuracy)
+    common = np.minimum(found.common, NOISE_SHARE**0.5 * accuracy)
+    room = accuracy**2 - fixed**2 - common**2
+    return np.asarray(MARGIN * held.one_go / room)
+
+
+@dataclass(frozen=True)
+class _Remedy:
+    """What brings down parts that samples leave as they are.
+
+    elements, rays : growth of the number of elements, and of rays from each
+    deep : (n,) bool, readings that look the solution up later
+    """
+
+    elements: float
+    rays: float
+    deep: NDArray[np.bool_]
+
+    def options(self, found: Accuracies, accuracy: float, options: Options, off: NDArray[np.bool_]) -> Options:
+        """With so many elements and rays, and a tolerance for the readings (n,) in whose way such parts are."""
+        larger = grown(options, elements=self.elements, rays=self.rays)
+        looser = float(found.other[off].max(initial=0.0)) / (OTHER_SHARE * accuracy)
+        if looser <= 1.0:
+            return larger
+        return replace(larger, tolerance=max(larger.tolerance / looser, LEAST_TOLERANCE))
+
+
+def _cheapest_remedy(
+    found: Accuracies,
+    accuracy: float,
+    options: Options,
+    held: Held,
+    lacking: NDArray[np.bool_],
+    off: NDArray[np.bool_],
+) -> _Remedy:
+    """Smaller elements and more rays, or later lookups, or some of both, for the least time in all.
+
+    Only readings that lack accuracy count, and only parts of those in whose way such parts are.
+    """
+    exchange = np.where(off, found.exchange, 0.0)
+    later = off & (held.lookup < DEEP)
+    by_rays = later & ((exchange > WORST_EXCHANGE_SHARE * accuracy) | _noisy(found, accuracy))
+    best, least = _Remedy(MOST_GROWTH, MOST_GROWTH, np.zeros_like(off)), np.inf
     for elements in 2.0 ** np.arange(0.0, np.log2(MOST_GROWTH) + 0.25, 0.25):
-        left = found.mesh / elements ** (MESH_ORDER / 2.0)
-        deep = (left > target) & (lookup < DEEP)
-        if (np.where(deep, left / DEEP_GAIN, left) > target).any():
+        left = np.where(off, found.mesh, 0.0) / elements ** (MESH_ORDER / 2.0)
+        goal = (MESH_SHARE if elements > 1.0 else SAME_MESH_SHARE) * accuracy
+        by_mesh = later & (left > goal)
+        if (np.where(by_mesh, left / DEEP_GAIN, left) > goal).any():
             continue
-        need = np.maximum(excess * np.where(deep, DEEP_NOISE, 1.0), 1.0) ** (1.0 / SAMPLES_ORDER)
-        price = ELEMENT_PATHS * elements * last.options.elements
-        price += float((paths * need * np.where(deep | (lookup == DEEP), DEEP_PRICE, 1.0)).sum())
-        if price < best[0]:
-            best = price, float(elements), deep
-    return best[1], best[2] & (lookup < DEEP)
+        for deep in (by_mesh, by_mesh | by_rays):
+            gain = np.where(deep, DEEP_GAIN, 1.0)
+            noise = np.where(off & _noisy(found, accuracy), found.common, 0.0) / gain / elements**0.5
+            rays = _rays_growth(accuracy, exchange[lacking] / gain[lacking], noise)
+            remedy = _Remedy(float(elements), rays, deep)
+            price = _price(remedy, found, accuracy, options, held, lacking)
+            if price < least:
+                best, least = remedy, price
+    return best
+
+
+def _noisy(found: Accuracies, accuracy: float) -> NDArray[np.bool_]:
+    """(n,) readings in whose way the noise of the elements is."""
+    return found.common**2 > NOISE_SHARE * accuracy**2
+
+
+def _rays_growth(accuracy: float, exchange: NDArray[np.float64], noise: NDArray[np.float64]) -> float:
+    """Growth of the rays from each element, for exchange parts in the way (n,) and the elements' own noise (n,)."""
+    usual = float(np.quantile(exchange, MOST_READINGS)) / (EXCHANGE_SHARE * accuracy)
+    worst = float(exchange.max(initial=0.0)) / (WORST_EXCHANGE_SHARE * accuracy)
+    own = float(noise.max(initial=0.0)) ** 2 / (NOISE_GOAL * accuracy**2)
+    return min(max(usual, worst, own, 1.0), MOST_GROWTH)
+
+
+def _price(
+    remedy: _Remedy,
+    found: Accuracies,
+    accuracy: float,
+    options: Options,
+    held: Held,
+    lacking: NDArray[np.bool_],
+) -> float:
+    """Of a remedy and the samples that readings need with it, in paths."""
+    needed = goes_needed(found, accuracy, held) * np.where(remedy.deep, DEEP_NOISE, 1.0)
+    renewed = remedy.elements * remedy.rays > 1.0
+    had = 0.0 if renewed else np.where(remedy.deep, 0.0, held.times)
+    times = np.where(lacking, np.maximum(needed - had, 0.0), 0.0)
+    readings = options.replicates * held.price(times, np.where(remedy.deep, DEEP, held.lookup))
+    per_element = (1.0 - RAYS_PRICE + RAYS_PRICE * remedy.rays) * ELEMENT_PATHS
+    return readings + (per_element * remedy.elements * options.elements if renewed else 0.0)
 
 
 def grown(options: Options, *, elements: float = 1.0, rays: float = 1.0, samples: float = 1.0) -> Options:

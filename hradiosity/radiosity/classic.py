@@ -10,8 +10,9 @@ from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.radiosity.classic_surfaces import ClassicLight, ClassicSurfaces
+from hradiosity.radiosity.round import KEPT_BYTES
 from hradiosity.radiosity.seeds import replicate_seed
-from hradiosity.radiosity.solver import KEPT_BYTES, RadiositySolver
+from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.readings.moments import ReadingMoments, ReplicateReadings
 from hradiosity.solution import Readings, ReflectedLux
@@ -39,6 +40,7 @@ class ClassicSolver(RadiositySolver):
     """
 
     surface_solver = ClassicSurfaces
+    reads_again = False
 
     def __init__(
         self,
@@ -103,7 +105,7 @@ class ClassicSolver(RadiositySolver):
         seed = replicate_seed(self.options.seed, self.replicates)
         light = surfaces.solve(seed)
         with self.record.timed("readings"):
-            self._gather(self._readings, light)
+            self._gather(self._reader.moments, light)
         surfaces.count_hemicubes(light.hemicube)
         size = light.reflected.nbytes + light.emitted.nbytes
         if len(self._lights) < 2 or (len(self._lights) + 1) * size <= KEPT_BYTES:

@@ -147,7 +147,7 @@ class LinkedSolver(RadiositySolver):
     surface_solver = LinkedSurfaces
 
     def _summary(self) -> dict[str, Any]:
-        surfaces = self._surfaces
+        surfaces = self._prepare()
         if not isinstance(surfaces, LinkedSurfaces):
             return super()._summary()
         count = surfaces.count_links()

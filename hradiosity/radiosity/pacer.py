@@ -5,17 +5,18 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from hradiosity.options import Options
+from hradiosity.radiosity.accuracies import Accuracies
 from hradiosity.radiosity.budget import (
     MOST_REPLICATES,
     WORTH_A_ROUND,
-    Accuracies,
+    Held,
     Pace,
-    Round,
+    Step,
+    goes_needed,
     growth_to_fill,
-    next_round,
+    next_step,
     replicates_needed,
     scaled,
 )
@@ -30,33 +31,45 @@ FORESEEING_REPLICATES = 4
 """Before these, nobody knows how many an accuracy will take."""
 FILLED = 0.95
 """Share of the time left that a round is made to fill."""
+LEAST_SHARE = 0.05
+"""Of a step, for which there is time: less is not begun."""
+ROUNDS_SHARE = 0.8
+"""Of the time to an accuracy, what a round on other elements takes of it; the rest are samples that still lack then."""
 
 
 @dataclass
 class Pacer:
-    """When a run stops, and when it starts a larger round.
+    """When a run stops, and how it goes on until then.
 
     asked : as the user asked
-    size : replicates of what size go on
-    rounds : those that were given up for larger ones: replicates, seconds, largest error, rays of all until then
+    size : elements, rays and samples of the replicates that go on
+    steps : whether points can be read again; if not, only more replicates make a run more accurate
+    rounds : those whose replicates were given up for larger ones: replicates, seconds, largest error, readings that
+        stayed as they were, rays until then
+    deeper : steps that read points again, by the same light on the elements
     """
 
     asked: Options
-    size: Round
+    size: Options
+    steps: bool = True
     rounds: list[dict[str, float]] = field(default_factory=list)
+    deeper: int = 0
     _round_start: float = 0.0
     _ready: float = 0.0
     _ends: list[float] = field(default_factory=list)
-    _reading_seconds: float = 0.0
     _readings_before: float = 0.0
+    _reading_seconds: float = 0.0
+    _seconds_per_price: float = 0.0
+    _foreseen_end: float = 0.0
+    _step_seconds: float = 0.0
 
     @classmethod
-    def of(cls, options: Options) -> Pacer:
+    def of(cls, options: Options, *, steps: bool = True) -> Pacer:
         """At the start of a run; a wanted accuracy lets the solver go on for longer."""
         if options.accuracy is None:
-            return cls(options, Round(options))
+            return cls(options, options, steps)
         tolerance = min(options.tolerance, TOLERANCE_SHARE * options.accuracy)
-        return cls(options, Round(replace(options, tolerance=tolerance)))
+        return cls(options, replace(options, tolerance=tolerance), steps)
 
     @property
     def limit(self) -> float | None:
@@ -69,18 +82,37 @@ class Pacer:
         """The round is ready for its first replicate."""
         self._ready = elapsed
 
-    def replicated(self, elapsed: float, reading_seconds: float) -> None:
-        """A replicate is done; `reading_seconds` are the readings' of all replicates of the run."""
-        self._ends.append(elapsed)
-        if len(self._ends) > 1:
-            self._reading_seconds = reading_seconds - self._readings_before
-        self._readings_before = reading_seconds
+    def replicated(self, elapsed: float, reading_seconds: float, price: float) -> None:
+        """A replicate is done.
 
-    def first_round(self, expected: float | None) -> Round | None:
+        Parameters
+        ----------
+        reading_seconds : float
+            The readings' of all replicates of the run.
+        price : float
+            Of this replicate's readings, see `Held.price`.
+        """
+        first = not self._ends
+        self._ends.append(elapsed)
+        self._read(reading_seconds, price, known=not first)
+
+    def deepened(self, reading_seconds: float, price: float) -> None:
+        """Points of a replicate were read again; parameters as of `replicated`."""
+        self._read(reading_seconds, price, known=True)
+
+    def _read(self, reading_seconds: float, price: float, *, known: bool) -> None:
+        """Learn what readings take; not from the first replicate, in which kernels start and samples are planned."""
+        spent = reading_seconds - self._readings_before
+        self._readings_before = reading_seconds
+        if known:
+            self._reading_seconds = spent
+            self._seconds_per_price = spent / price if price > 0.0 else 0.0
+
+    def first_round(self, expected: float | None) -> Options | None:
         """A smaller first round where even that would take longer than there is time, by what the plan expects."""
         if self.limit is None or expected is None or expected <= self.limit:
             return None
-        return Round(scaled(self.size.options, FILLED * self.limit / expected))
+        return scaled(self.size, FILLED * self.limit / expected)
 
     def wanted(self, found: Accuracies | None, done: int, elapsed: float) -> int:
         """Replicates of this size, as far as is known by now.
@@ -97,44 +129,55 @@ class Pacer:
             return least
         if self.asked.accuracy is None:
             return done if self.limit is None else done + 1
-        if found is None or bool((found.total <= self.asked.accuracy).all()):
+        if self.steps or found is None or bool((found.total <= self.asked.accuracy).all()):
             return done
         return max(done + 1, replicates_needed(found, self.asked.accuracy, done) or 0)
 
-    def larger(self, found: Accuracies | None, done: int, samples: NDArray[np.int64], elapsed: float) -> Round | None:
-        """The next round, where a larger one is better than more replicates; call it after each replicate.
+    def filling(self, done: int, elapsed: float) -> Options | None:
+        """Larger replicates that fill the time of a run without an accuracy, where they are worth it."""
+        if self.limit is None or self.asked.accuracy is not None or done != TIMED_REPLICATES:
+            return None
+        growth = growth_to_fill(self._pace(), self.asked.replicates, FILLED * (self.limit - elapsed))
+        return scaled(self.size, growth) if growth >= WORTH_A_ROUND else None
 
-        Parameters
-        ----------
-        samples : (n,) int64
-            Of each reading in this round.
+    def next_step(self, found: Accuracies | None, done: int, held: Held, elapsed: float) -> Step | None:
+        """What to do for readings that lack accuracy, when all replicates of a round are done; None for nothing.
+
+        Where time is short, they get as many samples as there is time for.
         """
-        if found is None or (self.asked.accuracy is None and self.limit is None):
+        accuracy = self.asked.accuracy
+        if not self.steps or found is None or accuracy is None or done < self.asked.replicates:
             return None
-        if self.asked.accuracy is None:
-            return self._filling(elapsed) if done == TIMED_REPLICATES else None
-        if done < self.asked.replicates or bool((found.total <= self.asked.accuracy).all()):
-            return None
-        following = next_round(found, self.asked.accuracy, self.size, done)
-        if following is None or self.limit is None:
-            return following
-        if elapsed + self._expected(following, samples) <= self.limit:
-            return following
-        return self._filling(elapsed)
+        step = next_step(found, accuracy, self.size, held)
+        if step is not None and self.limit is not None:
+            left = FILLED * (self.limit - elapsed)
+            if step.larger and self._expected(step, held) > left:
+                step = next_step(found.without_fixed(), accuracy, self.size, held)
+            expected = 0.0 if step is None else self._expected(step, held)
+            share = left / expected if expected > 0.0 else 0.0
+            if step is not None and share < 1.0:
+                step = step.shortened(share) if share > LEAST_SHARE else None
+        if step is not None:
+            self._foreseen_end = elapsed + self._to_accuracy(found, accuracy, held)
+            self._step_seconds = self._expected(step, held)
+        return step
 
-    def begin(self, following: Round, found: Accuracies | None, done: int, elapsed: float, rays: int) -> None:
-        """Give the replicates so far up for a larger round."""
-        error = float("inf") if found is None else float(found.total.max(initial=0.0))
-        seconds = elapsed - self._round_start
-        self.rounds.append({"replicates": done, "seconds": seconds, "error": error, "rays": rays})
+    def begin(self, following: Options, elapsed: float, given_up: dict[str, float] | None = None) -> None:
+        """Start replicates of another size; what is given up for them is remembered."""
+        if given_up is not None:
+            self.rounds.append({"seconds": elapsed - self._round_start, **given_up})
         self.size = following
         self._round_start = elapsed
         self._ends = []
 
-    def remaining(
-        self, found: Accuracies | None, done: int, samples: NDArray[np.int64], elapsed: float
-    ) -> float | None:
-        """Expected seconds to the end; None while nothing is known."""
+    def remaining(self, found: Accuracies | None, done: int, held: Held | None, elapsed: float) -> float | None:
+        """Expected seconds to the end of a run that goes through the replicates of a round; None if nothing is known.
+
+        Parameters
+        ----------
+        done : int
+            Replicates of this round.
+        """
         if not self._ends:
             return None
         each, least = self._each(), self.asked.replicates
@@ -145,36 +188,44 @@ class Pacer:
         else:
             expected = found.foreseen(done, max(done, least))
             left = (self.wanted(expected, max(done, least), elapsed) - done) * each
-            missing = next_round(expected, self.asked.accuracy, self.size, max(done, least))
-            if missing is not None and bool((expected.total > self.asked.accuracy).any()):
-                left = max(least - done, 0) * each + self._expected(missing, samples)
+            if self.steps and held is not None:
+                left += self._to_accuracy(expected, self.asked.accuracy, held)
+        return self._within_limit(left, elapsed)
+
+    def remaining_of_steps(self, number: int, elapsed: float) -> float:
+        """The same after `number` replicates of a step that reads points again."""
+        of_step = (1.0 - number / self.asked.replicates) * self._step_seconds
+        return self._within_limit(max(of_step, self._foreseen_end - elapsed), elapsed)
+
+    def _within_limit(self, left: float, elapsed: float) -> float:
         if self.limit is None:
             return left
         until = max(0.0, self.limit - elapsed)
         return until if self.asked.accuracy is None else min(left, until)
 
-    def _filling(self, elapsed: float) -> Round | None:
-        """The same scaled to fill the time that is left; None when that is not worth a round."""
-        if self.limit is None:
-            return None
-        growth = growth_to_fill(self._pace(), self.asked.replicates, FILLED * (self.limit - elapsed))
-        if growth < WORTH_A_ROUND:
-            return None
-        return replace(self.size, options=scaled(self.size.options, growth))
+    def _to_accuracy(self, found: Accuracies, accuracy: float, held: Held) -> float:
+        """Expected seconds from readings that are that accurate to the end of the run."""
+        step = next_step(found, accuracy, self.size, held, ahead=True)
+        if step is None:
+            return 0.0
+        if step.larger:
+            return self._expected(step, held) / ROUNDS_SHARE
+        further = np.where(found.total > accuracy, goes_needed(found, accuracy, held) - held.times, 0.0)
+        whole = replace(step, times=np.where(step.anew, step.times, np.maximum(step.times, further)))
+        return self._expected(whole, held)
 
-    def _expected(self, following: Round, samples: NDArray[np.int64]) -> float:
-        """Wall seconds of a round."""
-        before, after = self.size, following
-        focus = after.of_readings(len(samples))[0] / before.of_readings(len(samples))[0]
-        total = before.price(samples)
-        elements = after.options.elements / before.options.elements
-        if before.options.element_size is not None and after.options.element_size is not None:
-            elements = (before.options.element_size / after.options.element_size) ** 2
-        return self._pace().seconds(
-            self.asked.replicates,
-            elements=elements,
-            rays=after.options.rays_per_element / before.options.rays_per_element,
-            samples=after.price(focus * samples) / total if total > 0.0 else 1.0,
+    def _expected(self, step: Step, held: Held) -> float:
+        """Wall seconds of a step."""
+        readings = self.asked.replicates * self._seconds_per_price * step.price(held)
+        if not step.larger:
+            return readings
+        before, after = self.size, step.options
+        elements = after.elements / before.elements
+        if before.element_size is not None and after.element_size is not None:
+            elements = (before.element_size / after.element_size) ** 2
+        rays = after.rays_per_element / before.rays_per_element
+        return readings + replace(self._pace(), readings=0.0).seconds(
+            self.asked.replicates, elements=elements, rays=rays
         )
 
     def _each(self) -> float:

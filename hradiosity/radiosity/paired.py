@@ -43,7 +43,7 @@ class PairedSolver(RadiositySolver):
 
     def _prepare(self) -> SurfaceSolver:
         """Ray structure, lit sides, plan and elements; once."""
-        is_new = self._surfaces is None
+        is_new = self._round is None
         surfaces = super()._prepare()
         if is_new:
             method = self.options.form_factors

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import asdict, replace
 from typing import Any
 
@@ -11,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
-from hradiosity.errors import DeviceError
+from hradiosity.errors import DeviceError, SceneError
 from hradiosity.model.scene import Note, Scene, Sensor
 from hradiosity.model.variants import check_variants
 from hradiosity.options import Options
@@ -19,33 +20,29 @@ from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import make_plan
 from hradiosity.planning_memory import check_fits
 from hradiosity.planning_seconds import with_geometry
-from hradiosity.radiosity.budget import Accuracies, Round
-from hradiosity.radiosity.checkpoint import pack_record, pack_round, unpack_record, unpack_round
+from hradiosity.radiosity.accuracies import Accuracies
+from hradiosity.radiosity.budget import Step
+from hradiosity.radiosity.checkpoint import (
+    pack_numbers,
+    pack_pace,
+    pack_record,
+    unpack_numbers,
+    unpack_pace,
+    unpack_record,
+)
 from hradiosity.radiosity.geometry import Geometry, find_geometry
 from hradiosity.radiosity.pacer import Pacer
+from hradiosity.radiosity.point_reader import PointReader, ReplicateLight
 from hradiosity.radiosity.record import Record
-from hradiosity.radiosity.seeds import replicate_seed
+from hradiosity.radiosity.round import Round
 from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.radiosity.watching import LightWatch
-from hradiosity.readings.differences import VariantMoments, replicate_readings
-from hradiosity.readings.effort import Effort, plan_effort
 from hradiosity.readings.interval import part_of
-from hradiosity.readings.moments import ReadingMoments
-from hradiosity.readings.path_tracing import PathRules
 from hradiosity.readings.reflected import MeanLight, mean_light, reflected_lux
-from hradiosity.readings.sensors import ReadingSamples, read_points
-from hradiosity.readings.surface_light import SurfaceLight
-from hradiosity.readings.twins import Twins
-from hradiosity.readings.unseen import brightest_unseen
 from hradiosity.solution import Readings, ReflectedLux, Solution
 from hradiosity.space.lit_sides import LitSides
-from hradiosity.transport.device_scene import DeviceElements, DeviceScene
-
-NEAR_FACTOR, FIRST_NEAR_FACTOR = 0.5, 3.0
-"""The solution is never looked up at a hit nearer than so many sizes of its element; the second is for first hits."""
-KEPT_BYTES = 256 * 2**20
-"""Light of earlier replicates that is kept on the device for reading further points; two replicates always are."""
+from hradiosity.transport.device_scene import DeviceScene
 
 
 class RadiositySolver:
@@ -62,6 +59,8 @@ class RadiositySolver:
 
     surface_solver: type[SurfaceSolver] = SurfaceSolver
     """What estimates the light on the surfaces."""
+    reads_again = True
+    """Whether single points can be read again in each replicate; if not, an accuracy takes more replicates."""
 
     def __init__(
         self,
@@ -75,24 +74,25 @@ class RadiositySolver:
         self.cpu_seconds = 0.0
         self.watch: LightWatch | None = None
         self._calibration = calibration
-        self._pacer = Pacer.of(options)
+        self._pacer = Pacer.of(options, steps=self.reads_again)
         self._geometry: Geometry | None = None
         self._start = time.perf_counter()
         self._earlier_seconds = 0.0
         check_variants(scene)
-        self._readings = self._make_moments()
-        self._surfaces: SurfaceSolver | None = None
-        self._effort: Effort | None = None
-        self._twins = Twins(len(self._readings.position))
-        self._accuracies: tuple[int, Accuracies] | None = None
-        self.notes: tuple[Note, ...] = scene.notes
-        self._kept: list[tuple[DeviceElements, SurfaceLight, int]] = []
+        self._reader = PointReader(scene, options)
+        self._round: Round | None = None
         self._mean: MeanLight | None = None
+        self._before: Round | None = None
+        self._shared: dict[str, float] = {}
+        self._step: Step | None = None
+        self._number = 0
+        self._accuracies: Accuracies | None = None
+        self.notes: tuple[Note, ...] = scene.notes
 
     @property
     def replicates(self) -> int:
-        """Number of replicates done."""
-        return self._readings.count
+        """Number of replicates that there is a solution of."""
+        return self._reader.count if self._shown is not None else 0
 
     @property
     def plan(self) -> Plan:
@@ -121,23 +121,75 @@ class RadiositySolver:
             self._begin(smaller)
         self._pacer.prepared(self._elapsed())
         yield self._state("geometry")
-        while self.replicates < self._wanted():
-            before = self.checkpoint()
-            cpu = self.device.work_cpu_seconds()
-            try:
+        if self._step is None:
+            yield from self._replicates()
+        while self._step is not None or self._takes_step():
+            if self._step is not None:
+                yield from self._go_on(self._step)
+
+    def _replicates(self) -> Iterator[State]:
+        """Read all points, in as many replicates as are wanted."""
+        while self._reader.count < self._wanted():
+            with self._taken_back():
                 self._replicate(self._prepare())
-            except (KeyboardInterrupt, DeviceError, MemoryError):
-                self._load(before)
-                raise
-            self.cpu_seconds += self.device.work_cpu_seconds() - cpu
-            self._pacer.replicated(self._elapsed(), self.record.seconds["readings"])
+            self._accuracies = None
+            held = self._reader.held()
+            price = held.price(np.ones_like(held.times), held.lookup)
+            self._pacer.replicated(self._elapsed(), self.record.seconds["readings"], price)
             yield self._state("replicate")
-            larger = self._pacer.larger(self._found(), self.replicates, self._samples(), self._elapsed())
+            larger = self._pacer.filling(self._reader.count, self._elapsed())
             if larger is not None:
-                self._pacer.begin(larger, self._found(), self.replicates, self._elapsed(), self.record.rays)
+                self._pacer.begin(larger, self._elapsed(), self._account(readings_kept=0))
                 self._begin(larger)
                 self._pacer.prepared(self._elapsed())
                 yield self._state("larger replicates")
+
+    def _takes_step(self) -> bool:
+        """Whether there is something to do for readings that are not accurate enough; then the run is in that step."""
+        found = self._found()
+        held = self._reader.held(found)
+        self._reader.learn(held)
+        step = self._pacer.next_step(found, self._reader.count, held, self._elapsed())
+        if step is None or (step.larger and not self._renew(step)):
+            return False
+        self._step, self._number = step, 0
+        self._pacer.deeper += not step.larger
+        return True
+
+    def _go_on(self, step: Step) -> Iterator[State]:
+        """Read some points again, replicate by replicate."""
+        if step.larger and self._number == 0:
+            yield self._state("larger replicates")
+        share = self._reader.share(step)
+        price = step.price(self._reader.held())
+        while self._number < self.options.replicates:
+            with self._taken_back():
+                on = self._light(self._number)
+                with self.record.timed("readings"):
+                    go = self._pacer.deeper + len(self._pacer.rounds)
+                    self.record.rays += self._reader.some_points(self._number, share, on, go)
+                self._number += 1
+            if step.larger:
+                self._before = None
+                self._shared = {} if step.times.all() else self._shared
+                self._pacer.replicated(self._elapsed(), self.record.seconds["readings"], price)
+            else:
+                self._pacer.deepened(self.record.seconds["readings"], price)
+            if self._number == self.options.replicates:
+                self._step, self._accuracies = None, None
+            yield self._state("replicate" if step.larger else "further samples")
+
+    @contextmanager
+    def _taken_back(self) -> Iterator[None]:
+        """Take back the replicate that is broken off, so that what is known is that of those before."""
+        before = self.checkpoint()
+        cpu = self.device.work_cpu_seconds()
+        try:
+            yield
+        except (KeyboardInterrupt, DeviceError, MemoryError):
+            self._load(before)
+            raise
+        self.cpu_seconds += self.device.work_cpu_seconds() - cpu
 
     def ask_for(self, accuracy: float) -> None:
         """Go on to this accuracy when `states` is called again, since an audit found the intervals too narrow."""
@@ -159,20 +211,22 @@ class RadiositySolver:
         RuntimeError
             Before the first replicate.
         """
-        if self._surfaces is None or self.replicates == 0:
+        surfaces = self._shown
+        if surfaces is None or self.replicates == 0:
             raise RuntimeError("nothing was solved yet")
+        shared, moments = self._shared_errors(), self._reader.moments
         return Solution(
-            scene=replace(self.scene, notes=(*self.notes, *self._surfaces.notes())),
-            plan=self.plan,
-            elements=self._surfaces.elements,
-            surfaces=self._surfaces.surfaces(),
-            readings=self._current(),
+            scene=replace(self.scene, notes=(*self.notes, *surfaces.notes())),
+            plan=surfaces.plan,
+            elements=surfaces.elements,
+            surfaces=surfaces.surfaces(),
+            readings=moments.readings(shared),
             replicates=self.replicates,
-            complete=self.replicates >= self._wanted(),
+            complete=self._step is None and self.replicates >= self._wanted(),
             record=self._summary(),
             reader=self.read,
             reflector=self.read_reflected,
-            variants=self._readings.variants(self._prepare().shared_errors()),
+            variants=moments.variants(shared),
         )
 
     def read(self, sensor: Sensor) -> Readings:
@@ -183,19 +237,15 @@ class RadiositySolver:
         RuntimeError
             Before two replicates are kept.
         """
-        if len(self._kept) < 2:
+        kept = [] if self._round is None else self._round.kept
+        if len(kept) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        full = self.options.full_metrics
-        moments = ReadingMoments((sensor,), self.scene.bands, full=full, scene=self.scene)
-        effort = self._plan_effort(moments, *self._kept[0])
-        for elements, light, seed in self._kept:
-            self._read(moments, elements, light, seed, effort)
-        return moments.readings(self._prepare().shared_errors())[sensor.name]
+        return self._reader.further(sensor, kept).readings(self._shared_errors())[sensor.name]
 
     @property
     def keeps_light(self) -> bool:
         """Whether there is light to read further points from."""
-        return len(self._kept) >= 2
+        return self._round is not None and len(self._round.kept) >= 2
 
     def read_reflected(
         self, position: NDArray[np.float64], normal: NDArray[np.float64], n_paths: int, seed: int
@@ -207,15 +257,17 @@ class RadiositySolver:
         RuntimeError
             Before two replicates are kept.
         """
-        elements = self._kept[-1][0] if self._kept else None
-        lights = [light for its_elements, light, _ in self._kept if its_elements is elements]
-        if elements is None or len(lights) < 2:
+        kept = [] if self._round is None else self._round.kept
+        lights = [on.light for on in kept if on.elements is kept[-1].elements]
+        if len(lights) < 2:
             raise RuntimeError("further points need the light of two replicates or more, computed by this process")
         if self._mean is None or self._mean.replicates != len(lights):
             self._mean = mean_light(self.device, lights)
-        scene, seed = self._prepare().on_device, seed ^ self.options.seed
-        bands, rules = self.scene.bands, self._rules
-        return reflected_lux(scene, elements, self._mean, bands, position, normal, n_paths, rules=rules, seed=seed)
+        on, seed = kept[-1], seed ^ self.options.seed
+        bands, rules = self.scene.bands, self._reader.rules
+        return reflected_lux(
+            on.scene, on.elements, self._mean, bands, position, normal, n_paths, rules=rules, seed=seed
+        )
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs, by name; the arrays do not change when the run goes on."""
@@ -223,10 +275,9 @@ class RadiositySolver:
         seconds = self._earlier_seconds + self._elapsed()
         return {
             "record": pack_record(self.record, cpu_seconds=self.cpu_seconds, wall_seconds=seconds),
-            "round": pack_round(self._pacer.size, self._pacer.rounds),
-            **({f"effort/{name}": array for name, array in self._effort.arrays.items()} if self._effort else {}),
-            **{f"twins/{name}": array for name, array in self._twins.checkpoint().items()},
-            **{f"readings/{name}": array for name, array in self._readings.checkpoint().items()},
+            "pace": pack_pace(self._pacer.size, self._pacer.rounds, self._pacer.deeper, self._step, self._number),
+            "shared": pack_numbers(self._shared),
+            **{f"readings/{name}": array for name, array in self._reader.checkpoint().items()},
             **{f"surfaces/{name}": array for name, array in surfaces.checkpoint().items()},
         }
 
@@ -240,23 +291,23 @@ class RadiositySolver:
         """
         self._prepare()
         geometry = dict(self.record.seconds)
-        size, rounds = unpack_round(kept["round"])
-        if size.options != self._pacer.size.options:
+        size, rounds, deeper, step, _ = unpack_pace(kept["pace"])
+        if size != self._pacer.size:
             self._begin(size)
-        self._pacer = Pacer(self.options, size, rounds)
+        self._pacer, self._step = Pacer(self.options, size, self.reads_again, rounds, deeper), step
+        self._shared = unpack_numbers(kept["shared"])
         numbers = self._load(kept)
         for stage, seconds in geometry.items():
             self.record.seconds[stage] = self.record.seconds.get(stage, 0.0) + seconds
         self._earlier_seconds = numbers["wall_seconds"]
 
     def _load(self, kept: Mapping[str, NDArray[Any]]) -> Mapping[str, float]:
-        """Put the moments and the record back; returns the other numbers."""
-        effort = part_of(kept, "effort")
-        self._effort = Effort.of_arrays(effort) if effort else None
-        self._twins.restore(part_of(kept, "twins"))
-        self._readings.restore(part_of(kept, "readings"))
+        """Put readings, surfaces and the record back; returns the other numbers."""
+        surfaces = self._prepare()
+        self._reader.restore(part_of(kept, "readings"), surfaces.plan.columns)
         self._accuracies = None
-        self._prepare().restore(part_of(kept, "surfaces"))
+        surfaces.restore(part_of(kept, "surfaces"))
+        *_, self._number = unpack_pace(kept["pace"])
         record, numbers = unpack_record(kept["record"])
         self.record.__dict__.update(record.__dict__)
         self.cpu_seconds = numbers["cpu_seconds"]
@@ -264,22 +315,23 @@ class RadiositySolver:
 
     def _prepare(self) -> SurfaceSolver:
         """Plan and elements of this round; made on first use."""
-        if self._surfaces is None:
-            geometry = self._find_geometry()
+        if self._round is None:
+            self._find_geometry()
             cpu = self.device.work_cpu_seconds()
             with self.record.timed("geometry"):
-                options = self._pacer.size.options
-                plan = make_plan(self.scene, options, geometry.lit)
-                surfaces = self.surface_solver(
-                    self.device, self.scene, geometry.bvh, geometry.lit, plan, options, self.record
-                )
-                surfaces.plan = surfaces.sized_plan(self._calibration)
-                check_fits(surfaces.plan, self.device)
-                self._surfaces = surfaces
+                size = self._pacer.size
+                self._round = Round(lambda record: self._make_surfaces(size, record), self.record, self.options.seed)
+            surfaces = self._round.surfaces
             surfaces.plan = with_geometry(surfaces.plan, self.record.seconds)
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
-        self._surfaces.watch = self.watch
-        return self._surfaces
+        self._round.surfaces.watch = self.watch
+        return self._round.surfaces
+
+    @property
+    def _shown(self) -> SurfaceSolver | None:
+        """Surfaces that there is light on: those of the last round, until there is some on those of this one."""
+        shown = self._before or self._round
+        return shown.surfaces if shown is not None and shown.count else None
 
     def _find_geometry(self) -> Geometry:
         """Ray structure and lit sides, found once; the scene is checked then."""
@@ -289,135 +341,82 @@ class RadiositySolver:
             self.cpu_seconds += self._geometry.cpu_seconds
         return self._geometry
 
-    def _make_moments(self) -> VariantMoments:
-        """For the sensors of the scene, before the first replicate."""
-        return VariantMoments(self.scene, full=self.options.full_metrics)
+    def _make_surfaces(self, size: Options, record: Record) -> SurfaceSolver:
+        """Elements of some size, without light."""
+        geometry = self._find_geometry()
+        plan = make_plan(self.scene, size, geometry.lit)
+        surfaces = self.surface_solver(self.device, self.scene, geometry.bvh, geometry.lit, plan, size, record)
+        surfaces.plan = surfaces.sized_plan(self._calibration)
+        check_fits(surfaces.plan, self.device)
+        return surfaces
 
-    def _begin(self, size: Round) -> None:
+    def _begin(self, size: Options) -> None:
         """Start anew with replicates of another size."""
         self._pacer.size = size
-        self._readings = self._make_moments()
-        self._surfaces, self._effort, self._accuracies = None, None, None
-        self._twins = Twins(len(self._readings.position))
-        self._kept, self._mean = [], None
+        self._reader = PointReader(self.scene, self.options)
+        self._round, self._mean, self._accuracies = None, None, None
         self.record.defects.clear()
         self.record.convergence.clear()
         self._prepare()
 
+    def _renew(self, step: Step) -> bool:
+        """Other elements, on which the readings that lack accuracy are read anew; False if they don't fit."""
+        size, before = self._pacer.size, self._round
+        account = self._account(readings_kept=int((step.times == 0.0).sum()))
+        shared = self._shared_errors()
+        self._pacer.size, self._round, self._mean = step.options, None, None
+        try:
+            self._prepare()
+        except SceneError as error:
+            self._pacer.size, self._round = size, before
+            self.notes = (*self.notes, Note("warning", "--accuracy", f"not reached: {error}"))
+            return False
+        self._before, self._shared = before, shared
+        self.record.defects.clear()
+        self.record.convergence.clear()
+        self._pacer.begin(step.options, self._elapsed(), account)
+        self._pacer.prepared(self._elapsed())
+        self._reader.forget_noise()
+        return True
+
+    def _account(self, readings_kept: int) -> dict[str, float]:
+        """Of replicates that end here, of whose readings some are kept."""
+        found = self._found()
+        error = float("inf") if found is None else float(found.total.max(initial=0.0))
+        rays = self.record.rays
+        return {"replicates": self._reader.count, "error": error, "readings_kept": readings_kept, "rays": rays}
+
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
-        seed = replicate_seed(self.options.seed, self.replicates)
-        light = surfaces.replicate(seed)
+        on = self._light(self._reader.count)
         with self.record.timed("readings"):
-            if self._effort is None:
-                even = self._plan_effort(self._readings, surfaces.on_device_elements, light, seed)
-                spread, size = self._readings.planes.spread, self._pacer.size
-                self._effort = even.focused(spread(size.focus)).looking(spread(size.lookup))
-            first = self._read(self._readings, surfaces.on_device_elements, light, seed, self._effort)
-            if self.options.accuracy is not None:
-                self._read_twins(first, surfaces.on_device_elements, light, seed, self._effort)
-        self.record.rays += self._effort.rays
-        size = light.reflected.nbytes + light.emitter_choice.nbytes
-        if len(self._kept) < 2 or (len(self._kept) + 1) * size <= KEPT_BYTES:
-            self._kept.append((surfaces.on_device_elements, light, seed))
+            self.record.rays += self._reader.all_points(on)
 
-    def _plan_effort(self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int) -> Effort:
-        """Samples of each reading in every replicate."""
-        plan = self.plan
-        effort = plan_effort(
-            self._prepare().on_device,
-            elements,
-            light,
-            moments.position,
-            moments.normal,
-            light_samples=plan.light_samples,
-            gather_samples=plan.gather_samples if plan.gathers or self.scene.sky is not None else 0,
-            rules=self._rules,
-            seed=seed ^ 0x3C6EF372,
-            response=moments.planes.response,
-        )
-        share = moments.planes.share
-        return effort if (share == 1.0).all() else effort.focused(share)
+    def _light(self, number: int) -> ReplicateLight:
+        """What readings of a replicate of this round are taken from."""
+        self._prepare()
+        if self._round is None:
+            raise RuntimeError("a round was to be prepared")
+        return self._round.light(number)
 
-    def _read(
-        self, moments: ReadingMoments, elements: DeviceElements, light: SurfaceLight, seed: int, effort: Effort
-    ) -> ReadingSamples:
-        """One replicate of readings."""
-        scene = self._prepare().on_device
-        everywhere = np.arange(len(moments.position))
-        samples = self._read_some(moments, everywhere, elements, light, seed ^ 0x5BD1E995, effort)
-        unseen = brightest_unseen(
-            scene,
-            light,
-            moments.position,
-            moments.normal,
-            samples,
-            light_samples=effort.light,
-            gather_samples=effort.gather,
-        )
-        moments.add(replicate_readings(self.plan.columns, samples, unseen))
-        return samples
-
-    def _read_some(
-        self,
-        moments: ReadingMoments,
-        chosen: NDArray[np.int64],
-        elements: DeviceElements,
-        light: SurfaceLight,
-        seed: int,
-        effort: Effort,
-    ) -> ReadingSamples:
-        """Light at some of the points, with an effort for all of them."""
-        response = moments.planes.response
-        return read_points(
-            self._prepare().on_device,
-            elements,
-            light,
-            moments.position[chosen],
-            moments.normal[chosen],
-            effort if np.array_equal(chosen, np.arange(len(effort.gather))) else effort.some(chosen),
-            response=None if response is None else response[chosen],
-            rules=self._rules,
-            seed=seed,
-        )
-
-    def _read_twins(
-        self, first: ReadingSamples, elements: DeviceElements, light: SurfaceLight, seed: int, effort: Effort
-    ) -> None:
-        """Some points once more, to tell the noise of the elements from that of their own rays."""
-        chosen = self._twins.chosen
-        second = self._read_some(self._readings, chosen, elements, light, seed ^ 0x2545F491, effort)
-        weight = self.device.fetch(light.weight)[: first.irradiance.shape[1]].astype(np.float64)
-        pair = first.irradiance[chosen], second.irradiance
-        self._twins.add(*(np.einsum("xc,c->x", some, weight) for some in pair))
-
-    @property
-    def _rules(self) -> PathRules:
-        """Where the paths of readings end."""
-        return PathRules(self.options.lookup, NEAR_FACTOR, FIRST_NEAR_FACTOR)
+    def _shared_errors(self) -> dict[str, float]:
+        """By part: share of each band that all replicates of the rounds may be off by alike that readings are of."""
+        shown = self._shown
+        now = {} if shown is None or self._before is not None else shown.shared_errors()
+        return {part: max(self._shared.get(part, 0.0), now.get(part, 0.0)) for part in {**self._shared, **now}}
 
     def _wanted(self) -> int:
         """Replicates of this round, as far as is known by now."""
-        return self._pacer.wanted(self._found(), self.replicates, self._elapsed())
+        return self._pacer.wanted(self._found(), self._reader.count, self._elapsed())
 
     def _found(self) -> Accuracies | None:
-        """How accurate all readings are; None before two replicates."""
-        if self.replicates < 2:
+        """How accurate all readings are; None before two replicates. In a step, as they were before it."""
+        if self._reader.count < 2:
             return None
-        if self._accuracies is None or self._accuracies[0] != self.replicates:
-            shared = self._prepare().shared_errors()
-            readings = self._readings.readings(shared, illuminance_only=True)
-            found = Accuracies.of(readings, self._twins.surface_share)
-            self._accuracies = self.replicates, found
-        return self._accuracies[1]
-
-    def _samples(self) -> NDArray[np.int64]:
-        """(n,) paths of each reading in a replicate."""
-        return np.zeros(0, np.int64) if self._effort is None else self._readings.planes.total(self._effort.gather)
-
-    def _current(self) -> dict[str, Readings]:
-        """Readings with their intervals as of now."""
-        return self._readings.readings(self._prepare().shared_errors())
+        if self._accuracies is None:
+            readings = self._reader.moments.readings(self._shared_errors(), illuminance_only=True)
+            self._accuracies = Accuracies.of(readings, self._reader.proved_noise(), self._reader.count)
+        return self._accuracies
 
     def _elapsed(self) -> float:
         return time.perf_counter() - self._start
@@ -426,22 +425,28 @@ class RadiositySolver:
         found = self._found()
         errors = np.zeros(0) if found is None else found.total
         history = self.record.convergence[-1].residual if self.record.convergence else (1.0,)
+        done = self._number if self._step is not None else self._reader.count
         return State(
             stage=stage,
-            replicate=self.replicates,
-            replicates=self._wanted(),
+            replicate=done,
+            replicates=self.options.replicates if self._step is not None else self._wanted(),
             seconds=self._elapsed(),
             error=float(errors.max()) if len(errors) else float("inf"),
             median_error=float(np.median(errors)) if len(errors) else float("inf"),
-            elements=0 if self._surfaces is None else len(self._surfaces.elements),
+            elements=0 if self._round is None else len(self._round.surfaces.elements),
             rays=self.record.rays,
             unshot=history[-1],
-            remaining=self._pacer.remaining(found, self.replicates, self._samples(), self._elapsed()),
+            remaining=self._remaining(found),
         )
+
+    def _remaining(self, found: Accuracies | None) -> float | None:
+        if self._step is not None:
+            return self._pacer.remaining_of_steps(self._number, self._elapsed())
+        return self._pacer.remaining(found, self._reader.count, self._reader.held(found), self._elapsed())
 
     def _interval_parts(self) -> list[str]:
         """What the half widths of the readings are made of."""
-        readings = self._current().values()
+        readings = self._reader.moments.readings(illuminance_only=True).values()
         return list(next(iter(readings)).numbers["illuminance"].parts) if readings else []
 
     def _summary(self) -> dict[str, Any]:
@@ -450,14 +455,14 @@ class RadiositySolver:
             "device": self.device.description,
             "replicates": self.replicates,
             "rounds_given_up": self._pacer.rounds,
-            "focused": bool(len(self._pacer.size.focus)),
+            "further_samples": self._pacer.deeper + sum(r["readings_kept"] > 0 for r in self._pacer.rounds),
             "stage_seconds": dict(self.record.seconds),
             "solve_cpu_s": self.cpu_seconds,
             "kernel_build_s": self.device.build_time.wall,
             "wall_s": self._earlier_seconds + self._elapsed(),
             "rays": self.record.rays,
             "hemicubes": {"drawn": self.record.hemicubes, "seconds": self.record.hemicube_seconds},
-            "elements": 0 if self._surfaces is None else len(self._surfaces.elements),
+            "elements": 0 if self._shown is None else len(self._shown.elements),
             "interval_parts": self._interval_parts(),
             "defects_before_closure": [asdict(d) for d in self.record.defects],
             "solver": [asdict(c) for c in self.record.convergence],

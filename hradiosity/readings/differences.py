@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.estimate import Estimate
+from hradiosity.estimate import UNSEEN, Estimate
 from hradiosity.model.scene import Scene
 from hradiosity.model.variants import with_variant
 from hradiosity.plan import SpectralColumns
@@ -42,6 +42,11 @@ class VariantMoments(ReadingMoments):
             ReadingMoments(sensors, bands, full=full, scene=with_variant(scene, variant)) for variant in variants
         ]
         self._differences = [_DifferenceMoments(self._numbers, len(self.planes.count), len(bands)) for _ in variants]
+
+    def taken(self, times: NDArray[np.float64]) -> None:
+        """Say how many samples each reading has had, see `ReadingMoments.times`."""
+        for moments in (self, *self._variants):
+            moments.times = times
 
     def add(self, replicate: ReplicateReadings) -> ReplicateNumbers:
         """Take one more replicate into account; returns the scene's own numbers."""
@@ -159,9 +164,9 @@ class _DifferenceMoments:
         for name, value in values.items():
             others = {part: effect[name] for part, effect in effects.items()}
             others = companion_parts({part: means[name] for part, means in self._companions.items()}) | others
-            unseen = [found[name].others["unseen"] for found in (scene, variant) if "unseen" in _parts(found, name)]
+            unseen = [found[name].others[UNSEEN] for found in (scene, variant) if UNSEEN in _parts(found, name)]
             if unseen:
-                others["unseen"] = np.sum(unseen, axis=0)
+                others[UNSEEN] = np.sum(unseen, axis=0)
             count = self._values[name].count
             out[name] = Estimate(value, self._values[name].standard_error, count - 1, others)
         return out

@@ -69,16 +69,21 @@ class Effort:
         return cls(arrays["light"], arrays["gather"], guide, arrays["lookup"])
 
     def focused(self, focus: NDArray[np.float64]) -> Effort:
-        """So many times the samples (n,), in steps of a factor 2; the same if there are no entries."""
+        """So many times the samples (n,), in the steps of `stepped`; the same if there are no entries."""
         if not len(focus):
             return self
-        times = 2.0 ** np.rint(np.log2(focus))
+        times = stepped(focus)
         scaled = self.light * times[:, None], self.gather * times
         light, gather = (
             np.maximum(np.rint(some), part > 0).astype(np.int64)
             for some, part in zip(scaled, (self.light, self.gather))
         )
         return replace(self, light=light, gather=gather)
+
+    def of_goes(self, times: NDArray[np.float64]) -> Effort:
+        """The samples (n,) goes have together."""
+        light, gather = np.rint(self.light * times[:, None]), np.rint(self.gather * times)
+        return replace(self, light=light.astype(np.int64), gather=gather.astype(np.int64))
 
     def looking(self, lookup: NDArray[np.int64]) -> Effort:
         """The same with lookups at these hits (n,); the same if there are no entries."""
@@ -226,15 +231,21 @@ class Split:
         low, high = 1e-12, 1e12
         for _ in range(BISECTIONS):
             middle = (low * high) ** 0.5
-            light, paths = (_stepped(middle * some, even, least) for some, even, least in wanted)
+            light, paths = (_within(middle * some, even, least) for some, even, least in wanted)
             low, high = (middle, high) if paths.sum() + SHADOW_RAY * light.sum() <= whole else (low, middle)
-        light, paths = (_stepped(low * some, even, least) for some, even, least in wanted)
+        light, paths = (_within(low * some, even, least) for some, even, least in wanted)
         return light, paths
 
 
-def _stepped(samples: NDArray[np.float64], even: int, least: float) -> NDArray[np.int64]:
+def stepped(times: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The nearest powers of 2: readings that have one number of samples are read together."""
+    nearest: NDArray[np.float64] = 2.0 ** np.rint(np.log2(times))
+    return nearest
+
+
+def _within(samples: NDArray[np.float64], even: int, least: float) -> NDArray[np.int64]:
     """Within bounds about an even share, in steps of a factor 2 from there."""
     share = np.clip(samples / max(even, 1), least, MOST)
     fewest = min(FEWEST, even)
-    stepped: NDArray[np.int64] = np.maximum(np.rint(2.0 ** np.rint(np.log2(share)) * even), fewest).astype(np.int64)
-    return stepped
+    within: NDArray[np.int64] = np.maximum(np.rint(stepped(share) * even), fewest).astype(np.int64)
+    return within

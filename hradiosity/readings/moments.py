@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.estimate import MESH, Estimate
+from hradiosity.estimate import MESH, UNSEEN, Estimate
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.model.spectrum import Bands
 from hradiosity.readings.companions import COMPANIONS, companion_parts, likely_parts
@@ -69,12 +69,14 @@ class ReadingMoments:
     Attributes
     ----------
     planes : of all sensors, one after another
+    times : (n,) float64, samples of each reading over those of one go; None for one go each
     """
 
     def __init__(
         self, sensors: Sequence[Sensor], bands: Bands, *, full: bool = False, scene: Scene | None = None
     ) -> None:
         self.planes = Composition(sensors, scene)
+        self.times: NDArray[np.float64] | None = None
         self._sensors = tuple(sensors)
         self._numbers = ReadingNumbers(sensors, bands, full=full, actions=() if scene is None else scene.actions)
         n = len(self.planes.count)
@@ -173,7 +175,7 @@ class ReadingMoments:
         numbers = self._numbers.illuminances(spectra) if illuminance_only else self._numbers.of(spectra)
         effects = {part: self._numbers.effect_of(spectra, numbers, share) for part, share in relative.items()}
         count = self.count
-        group = alike(list(self._numbers.parts.values()), numbers["illuminance"])
+        group = alike(list(self._numbers.parts.values()), numbers["illuminance"], self.times)
         estimates = {}
         for name, value in numbers.items():
             changes = {part: means[name] for part, means in self._changes.items()}
@@ -222,7 +224,7 @@ class ReadingMoments:
                 estimate.value,
                 estimate.standard_error,
                 estimate.degrees_of_freedom,
-                {**estimate.others, "unseen": missed},
+                {**estimate.others, UNSEEN: missed},
             )
         return estimates
 

@@ -16,18 +16,27 @@ ALIKE = 4.0
 """Factor between the illuminances of readings that are taken to be about as bright."""
 
 
-def alike(parts: Sequence[slice], illuminance: NDArray[np.float64]) -> NDArray[np.int64]:
+def alike(
+    parts: Sequence[slice], illuminance: NDArray[np.float64], times: NDArray[np.float64] | None = None
+) -> NDArray[np.int64]:
     """(n,) number of the group that each reading is in: those of its sensor that are about as bright, within `ALIKE`.
 
-    Dark places are less sure than bright ones; what is usual there says nothing about a desk in the light.
+    Dark places are less sure than bright ones; what is usual there says nothing about a desk in the light. Nor do
+    readings that had a few samples say much about one that had many: `times` (n,), if given, counts alike.
     """
     sensor = np.repeat(np.arange(len(parts)), [part.stop - part.start for part in parts])
     brightest = np.zeros(len(parts))
     np.maximum.at(brightest, sensor, illuminance)
     share = np.divide(illuminance, brightest[sensor], out=np.zeros_like(illuminance), where=illuminance > 0.0)
-    step = np.floor(np.log(np.maximum(share, np.finfo(np.float64).tiny)) / np.log(ALIKE)).astype(np.int64)
-    group: NDArray[np.int64] = np.unique(np.column_stack([sensor, step]), axis=0, return_inverse=True)[1].ravel()
+    had = np.ones_like(illuminance) if times is None else times
+    kinds = np.column_stack([sensor, _step(np.maximum(share, np.finfo(np.float64).tiny)), _step(had)])
+    group: NDArray[np.int64] = np.unique(kinds, axis=0, return_inverse=True)[1].ravel()
     return group
+
+
+def _step(values: NDArray[np.float64]) -> NDArray[np.int64]:
+    """Number of the interval from a power of `ALIKE` to the next."""
+    return np.asarray(np.floor(np.log(values) / np.log(ALIKE)).astype(np.int64))
 
 
 def usual(values: NDArray[np.float64], group: NDArray[np.int64]) -> NDArray[np.float64]:

@@ -50,6 +50,12 @@ class SurfaceLight:
     change: DeviceArray | None = None
     changed_by: str = MESH
 
+    @property
+    def nbytes(self) -> int:
+        """Bytes on the device that no other replicate shares."""
+        own = (self.reflected, self.row_size, self.emitter_choice, self.row_direct, self.change)
+        return sum(int(array.nbytes) for array in own if array is not None)
+
 
 def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -> NDArray[np.float32]:
     """Summed probabilities of drawing each emitter at a hit, in proportion to the light it sends to that element.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.model.scene import View
-from hradiosity.radiosity.solver import FIRST_NEAR_FACTOR, NEAR_FACTOR
+from hradiosity.radiosity.point_reader import FIRST_NEAR_FACTOR, NEAR_FACTOR
 from hradiosity.show.camera import view_axes
 from hradiosity.show.image_guide import LEVELS
 from hradiosity.show.image_lamps import CLEAR_LAMPS

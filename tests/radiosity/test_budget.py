@@ -8,13 +8,16 @@ import pytest
 from rooms import SceneBuilder
 
 from hradiosity.options import Options
+from hradiosity.radiosity.accuracies import Accuracies
 from hradiosity.radiosity.budget import (
-    Accuracies,
+    DEEP_NOISE,
+    MOST_STEPS,
+    Held,
     Pace,
-    Round,
+    goes_needed,
     grown,
     growth_to_fill,
-    next_round,
+    next_step,
     replicates_needed,
     scaled,
 )
@@ -24,10 +27,21 @@ from hradiosity.radiosity.solver import RadiositySolver
 SMALL = Options(elements=200, rays_per_element=128, light_points=8, light_samples=64, gather_samples=256, replicates=8)
 
 
-def found(sampling, mesh=0.0, *, exchange=0.0, other=0.0, surfaces=0.0):
+def found(sampling, mesh=0.0, *, exchange=0.0, other=0.0, common=0.0):
     sampling = np.atleast_1d(np.asarray(sampling, float))
-    parts = (np.broadcast_to(np.asarray(part, float), sampling.shape) for part in (mesh, exchange, other))
-    return Accuracies(sampling, *parts, surfaces)
+    parts = (np.broadcast_to(np.asarray(part, float), sampling.shape) for part in (mesh, exchange, other, common))
+    return Accuracies(sampling, *parts)
+
+
+def held(accuracies, *, paths=100.0, times=1.0, lookup=1, steps=2):
+    """After steps that were taken to be surer, unless others are said."""
+    n = len(accuracies.sampling)
+    many = [np.full(n, some) for some in (paths, times)]
+    return Held(*many, np.full(n, lookup), np.full(n, steps), accuracies.own**2 * many[1])
+
+
+def step_for(accuracies, accuracy=0.01, *, options=None, **kept):
+    return next_step(accuracies, accuracy, SMALL if options is None else options, held(accuracies, **kept))
 
 
 def furnished_room():
@@ -50,24 +64,37 @@ def test_half_the_error_takes_about_four_times_the_replicates():
     assert replicates_needed(found(0.02, other=0.011), 0.01, 8) is None
 
 
-def test_more_of_the_same_while_that_is_cheap():
-    assert next_round(found([0.012, 0.005]), 0.01, Round(SMALL), 8) is None
+def test_sure_readings_are_left_alone_and_others_get_what_they_lack():
+    """Twice the half width that is wanted takes four times the samples, three of them anew; far more come by steps."""
+    accuracies = found([0.02, 0.009, 0.3])
+    step = step_for(accuracies, 0.01)
+    assert not step.larger and step.options == SMALL and not step.anew.any()
+    assert step.times[1] == 0.0 and step.times[2] == 3.0
+    assert 3.0 <= goes_needed(accuracies, 0.01, held(accuracies))[0] <= 8.0
+    assert step_for(found([0.009, 0.01])) is None
 
 
-def test_unsure_readings_get_more_samples_and_sure_ones_as_many():
-    larger = next_round(found([0.05] + [0.004] * 20), 0.01, Round(SMALL), 8)
-    assert larger.focus[0] > 10.0
-    np.testing.assert_allclose(larger.focus[1:], 1.0)
-    assert larger.options.elements == SMALL.elements
+def test_noise_of_the_elements_is_not_chased_with_samples():
+    """Where most of the spread is theirs, elements send more rays, by the square of what is too much."""
+    samples = step_for(found(np.full(400, 0.012), common=0.003), paths=1e4)
+    assert not samples.larger
+    rays = step_for(found(np.full(400, 0.03), common=0.028), paths=1e4)
+    assert rays.larger and rays.anew.all()
+    assert rays.options.rays_per_element / SMALL.rays_per_element == pytest.approx(0.028**2 / (0.25 * 0.01**2), rel=0.3)
+
+
+def test_after_many_steps_what_is_left_counts_as_noise_of_the_elements():
+    step = step_for(found(np.full(400, 0.02)), paths=1e4, steps=MOST_STEPS, times=64.0)
+    assert step.larger and step.options.rays_per_element > SMALL.rays_per_element
 
 
 def test_all_elements_shrink_when_the_mesh_part_of_most_readings_is_too_large():
     """Four times the accuracy, 8.9 times its share: 8.9^(2/1.5) = 18 times as many elements, or somewhat more."""
-    many = np.full(4000, 0.005)
-    larger = next_round(found(many, mesh=0.04), 0.01, Round(SMALL), 8)
+    many = found(np.full(4000, 0.005), mesh=0.04)
+    larger = step_for(many, paths=1e4)
     assert 18.0 <= larger.options.elements / SMALL.elements <= 22.0
-    assert (larger.lookup == 1).all()
-    by_edge = next_round(found(many, mesh=0.04), 0.01, Round(replace(SMALL, element_size=0.4)), 8)
+    assert (larger.lookup == 1).all() and larger.anew.all()
+    by_edge = step_for(many, options=replace(SMALL, element_size=0.4), paths=1e4)
     assert 18.0 <= (0.4 / by_edge.options.element_size) ** 2 <= 22.0
 
 
@@ -75,32 +102,45 @@ def test_few_readings_beside_large_elements_look_up_later():
     """That costs less than smaller elements everywhere; their paths vary more, and they get more of them."""
     mesh = np.zeros(400)
     mesh[:3] = 0.011
-    larger = next_round(found(np.full(400, 0.009), mesh=mesh), 0.01, Round(replace(SMALL, elements=8000)), 8)
-    assert larger.options.elements == 8000
-    assert (larger.lookup[:3] == 3).all() and (larger.lookup[3:] == 1).all()
-    assert (larger.focus[:3] > 2.0 * larger.focus[3]).all()
+    step = step_for(found(np.full(400, 0.009), mesh=mesh), options=replace(SMALL, elements=8000))
+    assert not step.larger
+    assert (step.lookup[:3] == 3).all() and (step.lookup[3:] == 1).all()
+    assert step.anew[:3].all() and (step.times[:3] > 1.0).all() and not step.times[3:].any()
+    assert DEEP_NOISE > 1.0
 
 
-def test_rays_of_elements_follow_the_exchange_part_and_the_share_of_their_noise():
-    few = next_round(found([0.005], exchange=0.01), 0.01, Round(SMALL), 8)
-    assert few.options.rays_per_element == pytest.approx(4.0 * SMALL.rays_per_element, rel=0.01)
-    own = next_round(found([0.05] * 9), 0.01, Round(SMALL), 8).options
-    shared = next_round(found([0.05] * 9, surfaces=0.5), 0.01, Round(SMALL), 8).options
-    assert own.rays_per_element == SMALL.rays_per_element < shared.rays_per_element / 20
+def test_samples_come_before_smaller_elements_while_they_are_cheap():
+    """A mesh part of few samples is noise; the step after the next would be dearer by far."""
+    first = step_for(found(np.full(50, 0.05), mesh=0.04), steps=0)
+    assert not first.larger and (first.times == 3.0).all() and not first.anew.any()
+    assert step_for(found(np.full(50, 0.005), mesh=0.04)).larger
+
+
+def test_rays_of_elements_follow_the_exchange_part():
+    few = step_for(found(np.full(100, 0.005), exchange=0.01), paths=1e5)
+    assert few.options.rays_per_element == pytest.approx(2.5 * SMALL.rays_per_element, rel=0.01)
 
 
 def test_the_solver_goes_on_where_its_tolerance_is_what_is_left():
-    tighter = next_round(found([0.005], other=0.012), 0.01, Round(SMALL), 8).options.tolerance
-    assert tighter == pytest.approx(SMALL.tolerance / 3.0)
-    assert type(tighter) is float, "records of runs and checkpoints are JSON"
+    """And all readings are taken anew, since the tolerance is part of each of them."""
+    tighter = step_for(found([0.005, 0.001], other=[0.012, 0.001]))
+    assert tighter.options.tolerance == pytest.approx(SMALL.tolerance / 3.0)
+    assert type(tighter.options.tolerance) is float, "records of runs and checkpoints are JSON"
+    assert tighter.anew.all()
 
 
-def test_a_round_always_asks_for_something_else():
-    """Whichever part is too large, or the run would repeat the round for ever."""
-    for parts in ({"mesh": 0.009}, {"exchange": 0.009}, {"other": 0.009}):
-        before = Round(SMALL)
-        after = next_round(found([0.006], **parts), 0.01, before, 8)
-        assert after.options != before.options or (after.lookup != SMALL.lookup).any()
+def test_a_step_always_does_something():
+    """Whichever part is too large, or the run would repeat the step for ever."""
+    for parts in ({"mesh": 0.009}, {"exchange": 0.009}, {"other": 0.009}, {"common": 0.006}):
+        for steps in range(MOST_STEPS + 1):
+            after = step_for(found([0.012], **parts), steps=steps)
+            assert after.larger == (after.options != SMALL)
+            assert after.times[0] > 0.0
+
+
+def test_what_nothing_mends_is_left_and_the_run_ends():
+    at_the_end = replace(SMALL, tolerance=1e-6)
+    assert step_for(found([0.005], other=0.02), options=at_the_end) is None
 
 
 def test_growth():
@@ -119,9 +159,21 @@ def test_pacer_stops_nearest_to_the_limit():
     pacer = Pacer.of(replace(SMALL, time=10.0))
     pacer.prepared(0.0)
     for end in (2.0, 4.0, 6.0, 8.0):
-        pacer.replicated(end, 0.5 * end)
+        pacer.replicated(end, 0.5 * end, 100.0)
     assert pacer.wanted(found(0.1), 4, 8.9) > 4
     assert pacer.wanted(found(0.1), 4, 9.1) == 4
+
+
+def test_a_step_is_cut_to_the_time_that_is_left():
+    """Eight replicates of 100 paths take 8 s; three times as many would take 24 s, and 12 s are left."""
+    pacer = Pacer.of(replace(SMALL, accuracy=0.001, time=20.0))
+    pacer.prepared(0.0)
+    for end in range(1, 9):
+        pacer.replicated(float(end), float(end), 100.0)
+    accuracies = found([0.1])
+    step = pacer.next_step(accuracies, 8, held(accuracies), 8.0)
+    assert 1.2 <= step.times[0] <= 1.5
+    assert pacer.next_step(accuracies, 8, held(accuracies), 19.9) is None
 
 
 def test_a_fifth_of_the_time_is_left_for_an_audit():
@@ -141,21 +193,47 @@ def test_accuracy_is_reached_and_the_same_bits_come_again(device, accuracy):
     np.testing.assert_array_equal(results[0].irradiance, results[1].irradiance)
 
 
-def test_a_run_that_was_broken_off_in_a_larger_round_goes_on(device):
-    scene, options = furnished_room(), replace(SMALL, accuracy=0.01)
+def test_a_run_that_was_broken_off_in_a_step_goes_on(device):
+    """With the same bits, though the light that it reads again has to be computed once more."""
+    scene, options = furnished_room(), replace(SMALL, accuracy=0.006)
     whole = RadiositySolver(scene, options, device)
     stages = [state.stage for state in whole.states()]
-    assert "larger replicates" in stages
-    first = RadiositySolver(scene, options, device)
-    for count, _ in enumerate(first.states()):
-        if count == stages.index("larger replicates") + 3:
-            break
-    second = RadiositySolver(scene, options, device)
-    second.restore(first.checkpoint())
-    list(second.states())
-    np.testing.assert_array_equal(
-        whole.solution().readings["s0"].irradiance, second.solution().readings["s0"].irradiance
-    )
+    expected = whole.solution().readings["s0"].irradiance
+    for stage in ("further samples", "larger replicates"):
+        first = RadiositySolver(scene, options, device)
+        for count, _ in enumerate(first.states()):
+            if count == stages.index(stage) + 3:
+                break
+        second = RadiositySolver(scene, options, device)
+        second.restore(first.checkpoint())
+        list(second.states())
+        np.testing.assert_array_equal(expected, second.solution().readings["s0"].irradiance)
+
+
+def test_readings_that_are_sure_stay_as_they_are(device):
+    """Bit for bit: their samples are not repeated, whatever happens to the others."""
+    scene, options = furnished_room(), replace(SMALL, accuracy=0.02)
+    solver = RadiositySolver(scene, options, device)
+    before = None
+    for state in solver.states():
+        if state.stage == "replicate" and state.replicate == 8 and before is None:
+            before = solver.solution().readings["s0"]
+    after = solver.solution().readings["s0"]
+    sure = before.accuracy <= 0.02
+    assert 0 < np.count_nonzero(sure) < len(sure)
+    np.testing.assert_array_equal(before.irradiance[sure], after.irradiance[sure])
+    assert (before.irradiance[~sure] != after.irradiance[~sure]).any(axis=1).all()
+
+
+def test_light_that_was_not_kept_is_computed_again(device, monkeypatch):
+    scene, options = furnished_room(), replace(SMALL, accuracy=0.02)
+    results = []
+    for kept in (768 * 2**20, 0):
+        monkeypatch.setattr("hradiosity.radiosity.round.KEPT_BYTES", kept)
+        solver = RadiositySolver(scene, options, device)
+        assert "further samples" in [state.stage for state in solver.states()]
+        results.append(solver.solution().readings["s0"].irradiance)
+    np.testing.assert_array_equal(*results)
 
 
 def test_time_is_kept(device):

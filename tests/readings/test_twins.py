@@ -3,34 +3,41 @@
 import numpy as np
 import pytest
 
-from hradiosity.readings.twins import MOST_TWINS, Twins
+from hradiosity.readings.twins import MOST_TWINS, CommonNoise, proved_variance, twin_points
+
+
+def pairs(rng, surface, own, n_points=MOST_TWINS, replicates=8):
+    """Brightnesses a thousand times apart, read twice in each replicate; 1 % of noise for a unit of each kind."""
+    level = np.geomspace(1.0, 1000.0, n_points)
+    common = surface * rng.normal(size=(replicates, n_points))
+    return [level * (1.0 + 0.01 * (common + own * rng.normal(size=common.shape))) for _ in range(2)]
 
 
 @pytest.mark.parametrize(("surface", "own"), [(1.0, 0.0), (0.0, 1.0), (1.0, 1.0), (0.5, 2.0)])
 def test_common_noise_is_found(surface, own):
-    """Of brightnesses a thousand times apart; the mean of many runs of eight replicates is the true share."""
+    """The mean of many runs of eight replicates is the true variance, and its uncertainty is what they spread by."""
     rng = np.random.default_rng(4)
-    level = np.geomspace(1.0, 1000.0, MOST_TWINS)
-    shares = []
-    for _ in range(60):
-        twins = Twins(400)
-        for _ in range(8):
-            common = surface * rng.normal(size=MOST_TWINS)
-            twins.add(*(level * (1.0 + 0.01 * (common + own * rng.normal(size=MOST_TWINS))) for _ in range(2)))
-        shares.append(twins.surface_share)
-    true = surface**2 / (surface**2 + own**2)
-    assert np.mean(shares) == pytest.approx(true, abs=0.05)
+    found = [CommonNoise.of(*pairs(rng, surface, own)) for _ in range(200)]
+    variance = 1e4 * np.array([some.variance for some in found])
+    uncertainty = 1e4 * np.mean([some.uncertainty for some in found])
+    assert variance.mean() == pytest.approx(surface**2, abs=4.0 * variance.std() / len(found) ** 0.5 + 0.01)
+    assert uncertainty == pytest.approx(variance.std(), rel=0.5)
+    if surface == 0.0:
+        proved = [some.proved for some in found]
+        assert np.mean(np.array(proved) == 0.0) > 0.75
 
 
-def test_a_checkpoint_keeps_them_and_few_replicates_say_nothing():
+def test_of_single_points_little_is_proved_by_chance_and_much_if_it_is_there():
+    rng = np.random.default_rng(6)
+    assert np.mean(proved_variance(*pairs(rng, 0.0, 1.0, 4000)) > 0.0) < 0.12
+    assert np.mean(proved_variance(*pairs(rng, 1.0, 0.1, 4000)) > 0.0) > 0.97
+
+
+def test_the_surer_counts_and_few_replicates_or_points_say_nothing():
     rng = np.random.default_rng(5)
-    first, again = Twins(3), Twins(3)
-    for _ in range(3):
-        first.add(*rng.random((2, 3)))
-    assert first.surface_share == 0.0
-    again.restore(first.checkpoint())
-    last = rng.random((2, 3))
-    first.add(*last)
-    again.add(*last)
-    assert again.surface_share == first.surface_share
-    assert Twins(0).surface_share == 0.0
+    some = CommonNoise.of(*pairs(rng, 1.0, 1.0))
+    assert CommonNoise().surer(some) == some == some.surer(CommonNoise())
+    assert CommonNoise.of(*pairs(rng, 1.0, 1.0, replicates=3)) == CommonNoise()
+    assert CommonNoise.of(*pairs(rng, 1.0, 1.0, n_points=3)) == CommonNoise()
+    assert CommonNoise.of(np.zeros((8, 20)), np.zeros((8, 20))) == CommonNoise()
+    assert len(twin_points(0)) == 0 and twin_points(3).tolist() == [0, 1, 2] and len(twin_points(400)) == MOST_TWINS

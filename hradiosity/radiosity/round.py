@@ -1,0 +1,64 @@
+"""The replicates of one size: their elements, and the light on them, which is kept or computed again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Final
+
+from hradiosity.radiosity.point_reader import ReplicateLight
+from hradiosity.radiosity.record import Record
+from hradiosity.radiosity.seeds import replicate_seed
+from hradiosity.radiosity.surfaces import SurfaceSolver
+
+KEPT_BYTES: Final = 768 * 2**20
+"""Light of earlier replicates that is kept on the device for reading points again, and further ones; that of two
+replicates always is."""
+
+
+class Round:
+    """Replicates with elements, rays and samples of one size.
+
+    Parameters
+    ----------
+    make : callable
+        Elements of that size, without light; their account goes into the record.
+    record : Record
+    seed : int
+        Of the run.
+
+    Attributes
+    ----------
+    surfaces : SurfaceSolver
+    kept : light of the first replicates
+    """
+
+    def __init__(self, make: Callable[[Record], SurfaceSolver], record: Record, seed: int) -> None:
+        self.surfaces = make(record)
+        self.kept: list[ReplicateLight] = []
+        self._make, self._seed = make, seed
+        self._again: SurfaceSolver | None = None
+
+    @property
+    def count(self) -> int:
+        """Replicates so far."""
+        return self.surfaces.iteration.means.count
+
+    def light(self, number: int) -> ReplicateLight:
+        """What readings of a replicate are taken from: of an earlier one, or of the next."""
+        if number < len(self.kept):
+            return self.kept[number]
+        surfaces = self.surfaces if self.count == number else self._repeated(number)
+        seed = replicate_seed(self._seed, number)
+        light = surfaces.replicate(seed)
+        on = ReplicateLight(surfaces.on_device, surfaces.on_device_elements, light, surfaces.plan, seed)
+        if number == len(self.kept) and (number < 2 or (number + 1) * light.nbytes <= KEPT_BYTES):
+            self.kept.append(on)
+        return on
+
+    def _repeated(self, number: int) -> SurfaceSolver:
+        """The surfaces as they were before a replicate, computed from the start: the same bits."""
+        if self._again is None or self._again.iteration.means.count > number:
+            self._again = self._make(Record())
+        while self._again.iteration.means.count < number:
+            self._again.replicate(replicate_seed(self._seed, self._again.iteration.means.count))
+        return self._again
