@@ -229,11 +229,11 @@ class Pacer:
         )
 
     def _each(self) -> float:
-        """Wall seconds of a replicate: of the later ones if there are any."""
+        """Wall seconds of a replicate: of the later ones if there are any; 0 where a resumed run has seen none."""
         if len(self._ends) > 1:
             recent = self._ends[-4:]
             return (recent[-1] - recent[0]) / (len(recent) - 1)
-        return self._ends[0] - self._ready
+        return self._ends[0] - self._ready if self._ends else 0.0
 
     def _pace(self) -> Pace:
         each = self._each()

@@ -9,8 +9,8 @@ from hradiosity.model.scene import Note, Scene
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.radiosity.paired_surfaces import HemicubeSurfaces, PairedSurfaces
+from hradiosity.radiosity.round import Round
 from hradiosity.radiosity.solver import RadiositySolver
-from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.transport.cell_pairs import RANDOM
 
 _FIXED: Final = (
@@ -41,15 +41,15 @@ class PairedSolver(RadiositySolver):
         super().__init__(scene, options, device, calibration)
         self.surface_solver = HemicubeSurfaces if options.form_factors == "hemicube" else PairedSurfaces
 
-    def _prepare(self) -> SurfaceSolver:
-        """Ray structure, lit sides, plan and elements; once."""
+    def _prepared(self) -> Round:
+        """Plan and elements of this round; made on first use."""
         is_new = self._round is None
-        surfaces = super()._prepare()
+        found = super()._prepared()
         if is_new:
             method = self.options.form_factors
             message = _DRAWN if method in (*RANDOM, "hemicube") else _FIXED
             self.notes = (*self.notes, Note("info", f"--form-factors {method}", message))
-        return surfaces
+        return found
 
     def _summary(self) -> dict[str, Any]:
         surfaces = self._prepare()

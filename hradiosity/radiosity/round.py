@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Final
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from numpy.typing import NDArray
 
 from hradiosity.radiosity.point_reader import ReplicateLight
 from hradiosity.radiosity.record import Record
@@ -54,6 +56,11 @@ class Round:
         if number == len(self.kept) and (number < 2 or (number + 1) * light.nbytes <= KEPT_BYTES):
             self.kept.append(on)
         return on
+
+    def restore(self, kept: Mapping[str, NDArray[Any]]) -> None:
+        """Go on from a checkpoint of the surfaces; light of replicates that it does not know of is dropped."""
+        self.surfaces.restore(kept)
+        self.kept = self.kept[: self.count]
 
     def _repeated(self, number: int) -> SurfaceSolver:
         """The surfaces as they were before a replicate, computed from the start: the same bits."""

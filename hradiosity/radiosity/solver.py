@@ -32,7 +32,7 @@ from hradiosity.radiosity.checkpoint import (
 )
 from hradiosity.radiosity.geometry import Geometry, find_geometry
 from hradiosity.radiosity.pacer import Pacer
-from hradiosity.radiosity.point_reader import PointReader, ReplicateLight
+from hradiosity.radiosity.point_reader import PointReader
 from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.round import Round
 from hradiosity.radiosity.state import State
@@ -164,7 +164,7 @@ class RadiositySolver:
         price = step.price(self._reader.held())
         while self._number < self.options.replicates:
             with self._taken_back():
-                on = self._light(self._number)
+                on = self._prepared().light(self._number)
                 with self.record.timed("readings"):
                     go = self._pacer.deeper + len(self._pacer.rounds)
                     self.record.rays += self._reader.some_points(self._number, share, on, go)
@@ -306,7 +306,7 @@ class RadiositySolver:
         surfaces = self._prepare()
         self._reader.restore(part_of(kept, "readings"), surfaces.plan.columns)
         self._accuracies = None
-        surfaces.restore(part_of(kept, "surfaces"))
+        self._prepared().restore(part_of(kept, "surfaces"))
         *_, self._number = unpack_pace(kept["pace"])
         record, numbers = unpack_record(kept["record"])
         self.record.__dict__.update(record.__dict__)
@@ -315,6 +315,10 @@ class RadiositySolver:
 
     def _prepare(self) -> SurfaceSolver:
         """Plan and elements of this round; made on first use."""
+        return self._prepared().surfaces
+
+    def _prepared(self) -> Round:
+        """The round that goes on; made on first use."""
         if self._round is None:
             self._find_geometry()
             cpu = self.device.work_cpu_seconds()
@@ -325,7 +329,7 @@ class RadiositySolver:
             surfaces.plan = with_geometry(surfaces.plan, self.record.seconds)
             self.cpu_seconds += self.device.work_cpu_seconds() - cpu
         self._round.surfaces.watch = self.watch
-        return self._round.surfaces
+        return self._round
 
     @property
     def _shown(self) -> SurfaceSolver | None:
@@ -388,16 +392,9 @@ class RadiositySolver:
 
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
-        on = self._light(self._reader.count)
+        on = self._prepared().light(self._reader.count)
         with self.record.timed("readings"):
             self.record.rays += self._reader.all_points(on)
-
-    def _light(self, number: int) -> ReplicateLight:
-        """What readings of a replicate of this round are taken from."""
-        self._prepare()
-        if self._round is None:
-            raise RuntimeError("a round was to be prepared")
-        return self._round.light(number)
 
     def _shared_errors(self) -> dict[str, float]:
         """By part: share of each band that all replicates of the rounds may be off by alike that readings are of."""
