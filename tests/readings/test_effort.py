@@ -77,6 +77,6 @@ def test_hidden_lamps_take_few_rays(device: Device, monkeypatch: pytest.MonkeyPa
         solver = RadiositySolver(b.scene(), Options(elements=500, replicates=2, gather_samples=512), device)
         next(state for state in solver.states() if state.stage == "replicate")
         kept = solver.checkpoint()
-        rays.append((kept["effort/light"].sum(axis=1), kept["effort/gather"]))
+        rays.append((kept["readings/effort/light"].sum(axis=1), kept["readings/effort/gather"]))
     assert rays[1][0][:3].sum() < 0.7 * rays[0][0][:3].sum()
     assert rays[1][1].sum() > rays[0][1].sum()

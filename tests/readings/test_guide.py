@@ -268,7 +268,8 @@ def test_a_room_that_is_lit_through_a_gap(device):
     solver = RadiositySolver(scene, Options(), device)
     for _ in solver.states():
         pass
-    assert any(name.startswith("readings/effort/guide/") and len(array) > 100 for name, array in solver.checkpoint().items())
+    guides = "readings/effort/guide/"
+    assert any(name.startswith(guides) and len(array) > 100 for name, array in solver.checkpoint().items())
     (readings,) = solver.solution().readings.values()
     on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=True)
     sensor = scene.sensors[0]
