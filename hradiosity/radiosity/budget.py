@@ -325,7 +325,8 @@ class Pace:
 
     def seconds(self, replicates: int, *, elements: float = 1.0, rays: float = 1.0, samples: float = 1.0) -> float:
         """Expected for a round that is larger by some factors."""
-        return elements * self.start + replicates * (elements * rays * self.rows + samples * self.readings)
+        rows = elements * (1.0 - RAYS_PRICE + RAYS_PRICE * rays) * self.rows
+        return elements * self.start + replicates * (rows + samples * self.readings)
 
 
 def growth_to_fill(pace: Pace, replicates: int, seconds: float) -> float:

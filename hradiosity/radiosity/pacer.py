@@ -9,6 +9,7 @@ import numpy as np
 from hradiosity.options import Options
 from hradiosity.radiosity.accuracies import Accuracies
 from hradiosity.radiosity.budget import (
+    FIRST_STEPS,
     MOST_REPLICATES,
     WORTH_A_ROUND,
     Held,
@@ -204,7 +205,18 @@ class Pacer:
         return until if self.asked.accuracy is None else min(left, until)
 
     def _to_accuracy(self, found: Accuracies, accuracy: float, held: Held) -> float:
-        """Expected seconds from readings that are that accurate to the end of the run."""
+        """Expected seconds from readings that are that accurate to the end of the run.
+
+        Before readings had a few steps, much of their mesh and exchange parts is noise: then the geometric mean of what
+        it takes to mend them, and of what the samples alone take.
+        """
+        seconds = self._to_mend(found, accuracy, held)
+        known = held.steps[found.total > accuracy] >= FIRST_STEPS
+        if 2 * np.count_nonzero(known) >= len(known):
+            return seconds
+        return float((seconds * self._to_mend(found.without_fixed(), accuracy, held)) ** 0.5)
+
+    def _to_mend(self, found: Accuracies, accuracy: float, held: Held) -> float:
         step = next_step(found, accuracy, self.size, held, ahead=True)
         if step is None:
             return 0.0

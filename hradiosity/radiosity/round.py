@@ -11,10 +11,12 @@ from hradiosity.radiosity.point_reader import ReplicateLight
 from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.surfaces import SurfaceSolver
+from hradiosity.readings.reflected import MeanLight, mean_light
 
 KEPT_BYTES: Final = 768 * 2**20
 """Light of earlier replicates that is kept on the device for reading points again, and further ones; that of two
 replicates always is."""
+TOO_FEW: Final = "further points need the light of two replicates or more, computed by this process"
 
 
 class Round:
@@ -39,6 +41,7 @@ class Round:
         self.kept: list[ReplicateLight] = []
         self._make, self._seed = make, seed
         self._again: SurfaceSolver | None = None
+        self._mean: MeanLight | None = None
 
     @property
     def count(self) -> int:
@@ -56,6 +59,21 @@ class Round:
         if number == len(self.kept) and (number < 2 or (number + 1) * light.nbytes <= KEPT_BYTES):
             self.kept.append(on)
         return on
+
+    def mean_light(self) -> tuple[ReplicateLight, MeanLight]:
+        """The last replicate that is kept, and the mean light of those that are on the same elements.
+
+        Raises
+        ------
+        RuntimeError
+            Before two of them are kept.
+        """
+        alike = [on for on in self.kept if on.elements is self.kept[-1].elements]
+        if len(alike) < 2:
+            raise RuntimeError(TOO_FEW)
+        if self._mean is None or self._mean.replicates != len(alike):
+            self._mean = mean_light(alike[-1].scene.device, [on.light for on in alike])
+        return alike[-1], self._mean
 
     def restore(self, kept: Mapping[str, NDArray[Any]]) -> None:
         """Go on from a checkpoint of the surfaces; light of replicates that it does not know of is dropped."""

@@ -34,12 +34,12 @@ from hradiosity.radiosity.geometry import Geometry, find_geometry
 from hradiosity.radiosity.pacer import Pacer
 from hradiosity.radiosity.point_reader import PointReader
 from hradiosity.radiosity.record import Record
-from hradiosity.radiosity.round import Round
+from hradiosity.radiosity.round import TOO_FEW, Round
 from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.radiosity.watching import LightWatch
 from hradiosity.readings.interval import part_of
-from hradiosity.readings.reflected import MeanLight, mean_light, reflected_lux
+from hradiosity.readings.reflected import reflected_lux
 from hradiosity.solution import Readings, ReflectedLux, Solution
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.transport.device_scene import DeviceScene
@@ -81,7 +81,6 @@ class RadiositySolver:
         check_variants(scene)
         self._reader = PointReader(scene, options)
         self._round: Round | None = None
-        self._mean: MeanLight | None = None
         self._before: Round | None = None
         self._shared: dict[str, float] = {}
         self._step: Step | None = None
@@ -237,10 +236,9 @@ class RadiositySolver:
         RuntimeError
             Before two replicates are kept.
         """
-        kept = [] if self._round is None else self._round.kept
-        if len(kept) < 2:
-            raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        return self._reader.further(sensor, kept).readings(self._shared_errors())[sensor.name]
+        if not self.keeps_light:
+            raise RuntimeError(TOO_FEW)
+        return self._reader.further(sensor, self._prepared().kept).readings(self._shared_errors())[sensor.name]
 
     @property
     def keeps_light(self) -> bool:
@@ -257,16 +255,17 @@ class RadiositySolver:
         RuntimeError
             Before two replicates are kept.
         """
-        kept = [] if self._round is None else self._round.kept
-        lights = [on.light for on in kept if on.elements is kept[-1].elements]
-        if len(lights) < 2:
-            raise RuntimeError("further points need the light of two replicates or more, computed by this process")
-        if self._mean is None or self._mean.replicates != len(lights):
-            self._mean = mean_light(self.device, lights)
-        on, seed = kept[-1], seed ^ self.options.seed
-        bands, rules = self.scene.bands, self._reader.rules
+        on, light = self._prepared().mean_light()
         return reflected_lux(
-            on.scene, on.elements, self._mean, bands, position, normal, n_paths, rules=rules, seed=seed
+            on.scene,
+            on.elements,
+            light,
+            self.scene.bands,
+            position,
+            normal,
+            n_paths,
+            rules=self._reader.rules,
+            seed=seed ^ self.options.seed,
         )
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
@@ -358,7 +357,7 @@ class RadiositySolver:
         """Start anew with replicates of another size."""
         self._pacer.size = size
         self._reader = PointReader(self.scene, self.options)
-        self._round, self._mean, self._accuracies = None, None, None
+        self._round, self._accuracies = None, None
         self.record.defects.clear()
         self.record.convergence.clear()
         self._prepare()
@@ -368,7 +367,7 @@ class RadiositySolver:
         size, before = self._pacer.size, self._round
         account = self._account(readings_kept=int((step.times == 0.0).sum()))
         shared = self._shared_errors()
-        self._pacer.size, self._round, self._mean = step.options, None, None
+        self._pacer.size, self._round = step.options, None
         try:
             self._prepare()
         except SceneError as error:
