@@ -48,6 +48,8 @@ MOST_DEEPER: Final = 4.0
 """Samples of a reading after one step over those before: the spread that calls for more is itself uncertain."""
 FIRST_STEPS: Final = 2
 """Steps of more samples that readings have had before anything dearer is done for their sake, see `FIRST_SHARE`."""
+MOST_FIRST_STEPS: Final = 4
+"""The same for readings that still need more than `SURE_ENOUGH` times the samples they have had."""
 SURE_ENOUGH: Final = 2.0
 """Samples that readings need over those they have had, above which their mesh and exchange parts are noise as well."""
 FIRST_SHARE: Final = 0.25
@@ -157,7 +159,7 @@ def next_step(found: Accuracies, accuracy: float, options: Options, held: Held, 
     if step is None or not step.larger or ahead:
         return step
     needed = goes_needed(found, accuracy, held)
-    unsure = lacking & ((needed > SURE_ENOUGH * held.times) | (held.steps < FIRST_STEPS))
+    unsure = lacking & (held.steps < np.where(needed > SURE_ENOUGH * held.times, MOST_FIRST_STEPS, FIRST_STEPS))
     if 2 * np.count_nonzero(unsure & off) < np.count_nonzero(off) or not off.any():
         return step
     first = _step(found.without_fixed(), accuracy, options, held, unsure, np.zeros_like(unsure), options)
