@@ -72,7 +72,7 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
                           __global const uint *patch_solid,     /* (n_patches,) 1: matter behind it              */
                           __global const uint *side_paint,      /* (n_patches, 2)                                */
                           __global const float *row_size,       /* (n_rows,) edge of each element [m]; INFINITY: no lookup;
-                                                                   below 0: lookup at the first hit already      */
+                                                                   below 0: near_factor holds at first hits too  */
                           __global const float *emitter_choice, /* (n_rows, n_emitters) summed probabilities     */
                           __global const float *row_direct,     /* (n_rows, n_emitters) of each element          */
                           __global const uchar *row_sight,      /* (n_rows, n_emitters) HR_SIGHT_…               */
@@ -123,7 +123,7 @@ __kernel void trace_paths(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
         if (HR_IS_ROW(row)) {
             const float size = row_size[row];
             const float sizes_away = lit == 0 && size >= 0.0f ? first_near_factor : near_factor;
-            if ((lit + 1 >= lookup || size < 0.0f) && hit.t >= sizes_away * hr_magnitude(size))
+            if (lit + 1 >= lookup && hit.t >= sizes_away * hr_magnitude(size))
                 break;
         }
         if (lit == HR_LIT_HITS) {

@@ -62,6 +62,10 @@ MOST_TIMES: Final = 2.0**20
 """Samples of a reading over those of its first go."""
 MOST_GROWTH: Final = 256.0
 """Of all samples, elements or rays, from one round to the next."""
+MOST_ELEMENTS, MOST_RAYS = 2e6, 2.0**16
+"""Elements, and rays from each in all replicates, that no round goes beyond."""
+SATURATED: Final = 2.0
+"""Elements asked for over those that there are, from which on smaller patches or rooms bound them, and not the wish."""
 LEAST_TOLERANCE: Final = 1e-6
 """Of the linear solver: single precision gets no further."""
 WORTH_A_ROUND: Final = 2.0
@@ -77,6 +81,7 @@ class Held:
     lookup : (n,) int64, first hit at which they look the solution up
     steps : (n,) int64, in which they got more samples by the same light on the elements
     one_go : (n,) float64, square of the half width that the samples of one go leave, without what others leave
+    elements : that there are, which may be far fewer than were asked for
     """
 
     paths: NDArray[np.float64]
@@ -84,6 +89,7 @@ class Held:
     lookup: NDArray[np.int64]
     steps: NDArray[np.int64]
     one_go: NDArray[np.float64]
+    elements: int = 0
 
     def price(self, times: NDArray[np.float64], lookup: NDArray[np.int64]) -> float:
         """Of so many goes, in paths that look the solution up at the first hit."""
@@ -240,8 +246,8 @@ def _cheapest_remedy(
     exchange = np.where(off, found.exchange, 0.0)
     later = off & (held.lookup < DEEP)
     by_rays = later & ((exchange > WORST_EXCHANGE_SHARE * accuracy) | _noisy(found, accuracy))
-    best, least = _Remedy(MOST_GROWTH, MOST_GROWTH, np.zeros_like(off)), np.inf
-    for elements in 2.0 ** np.arange(0.0, np.log2(MOST_GROWTH) + 0.25, 0.25):
+    best, least = _Remedy(1.0, 1.0, later), np.inf
+    for elements in _growths(options, held):
         left = np.where(off, found.mesh, 0.0) / elements ** (MESH_ORDER / 2.0)
         goal = (MESH_SHARE if elements > 1.0 else SAME_MESH_SHARE) * accuracy
         by_mesh = later & (left > goal)
@@ -251,11 +257,20 @@ def _cheapest_remedy(
             gain = np.where(deep, DEEP_GAIN, 1.0)
             noise = np.where(off & _noisy(found, accuracy), found.common, 0.0) / gain / elements**0.5
             rays = _rays_growth(accuracy, exchange[lacking] / gain[lacking], noise)
+            rays = min(rays, MOST_GROWTH, max(1.0, MOST_RAYS / options.rays_per_element))
             remedy = _Remedy(float(elements), rays, deep)
             price = _price(remedy, found, accuracy, options, held, lacking)
             if price < least:
                 best, least = remedy, price
     return best
+
+
+def _growths(options: Options, held: Held) -> NDArray[np.float64]:
+    """Of the number of elements, from 1 on: only 1 where more don't come of it."""
+    most = min(MOST_GROWTH, MOST_ELEMENTS / max(held.elements, 1))
+    if options.element_size is None and options.elements > SATURATED * held.elements > 0:
+        most = 1.0
+    return np.asarray(2.0 ** np.arange(0.0, np.log2(max(most, 1.0)) + 0.25, 0.25))
 
 
 def _noisy(found: Accuracies, accuracy: float) -> NDArray[np.bool_]:
@@ -268,7 +283,7 @@ def _rays_growth(accuracy: float, exchange: NDArray[np.float64], noise: NDArray[
     usual = float(np.quantile(exchange, MOST_READINGS)) / (EXCHANGE_SHARE * accuracy)
     worst = float(exchange.max(initial=0.0)) / (WORST_EXCHANGE_SHARE * accuracy)
     own = float(noise.max(initial=0.0)) ** 2 / (NOISE_GOAL * accuracy**2)
-    return min(max(usual, worst, own, 1.0), MOST_GROWTH)
+    return max(usual, worst, own, 1.0)
 
 
 def _price(

@@ -120,13 +120,15 @@ class PointReader:
         of_points = np.maximum(self._point_noise, self.noise.proved)
         return self._moments.planes.mean(of_points)
 
-    def held(self, found: Accuracies | None = None) -> Held:
+    def held(self, found: Accuracies | None = None, elements: int = 0) -> Held:
         """What the readings have had in each replicate, all of them or all but those of a step.
 
         Parameters
         ----------
         found : Accuracies, optional
             Of the readings as they are, which tells what samples are worth.
+        elements : int
+            That there are.
         """
         planes = self._moments.planes
         n = len(planes.count)
@@ -137,7 +139,7 @@ class PointReader:
         one_go = self._one_go
         if found is not None:
             one_go = np.where(steps == 0, found.own**2 * times, one_go)
-        return Held(paths, times, self._lookup[first], steps, one_go)
+        return Held(paths, times, self._lookup[first], steps, one_go, elements)
 
     def learn(self, held: Held) -> None:
         """Remember what samples are worth, as it was found before the first step of each reading."""

@@ -146,7 +146,7 @@ class RadiositySolver:
     def _takes_step(self) -> bool:
         """Whether there is something to do for readings that are not accurate enough; then the run is in that step."""
         found = self._found()
-        held = self._reader.held(found)
+        held = self._reader.held(found, len(self._prepare().elements))
         self._reader.learn(held)
         step = self._pacer.next_step(found, self._reader.count, held, self._elapsed())
         if step is None or (step.larger and not self._renew(step)):
@@ -436,9 +436,11 @@ class RadiositySolver:
         )
 
     def _remaining(self, found: Accuracies | None) -> float | None:
+        """Expected seconds to the end; None while nothing is known."""
         if self._step is not None:
             return self._pacer.remaining_of_steps(self._number, self._elapsed())
-        return self._pacer.remaining(found, self._reader.count, self._reader.held(found), self._elapsed())
+        held = self._reader.held(found, len(self._prepare().elements))
+        return self._pacer.remaining(found, self._reader.count, held, self._elapsed())
 
     def _interval_parts(self) -> list[str]:
         """What the half widths of the readings are made of."""

@@ -24,7 +24,7 @@ class SurfaceLight:
     emission : (n_emitters, 8 n_groups) float32, exitance or intensity of each emitter; and the same on the device
     reflected : (n_rows, 8 n_groups) float32 on the device, ρE of each row element, and its glow
     row_size : (n_rows,) float32 on the device, edge of each element [m]; infinite for those that were found wholly
-        covered and thus have no light to look up, below 0 where it may be looked up at the first hit already
+        covered and thus have no light to look up, below 0 where it may be looked up at a first hit that is near
     sky : (8 n_groups,) float32 on the device, π · radiance
     emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
     row_direct : (n_rows, n_emitters) float32 on the device, direct light of each element for unit emission

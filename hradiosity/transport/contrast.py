@@ -9,7 +9,7 @@ from hradiosity.space.hierarchy import COVERED, UNLIT, Elements
 from hradiosity.transport.exchange import RowHits
 
 MOST_CONTRAST = 5.0
-"""Contrast of the received light from which on the solution is looked up there at a path's first hit already: where
+"""Contrast of the received light from which on the solution is looked up there at a first hit that is near, too: where
 light comes through a gap, the noise of one more ray is worse than one value for a whole element."""
 
 

@@ -33,11 +33,11 @@ def found(sampling, mesh=0.0, *, exchange=0.0, other=0.0, common=0.0):
     return Accuracies(sampling, *parts)
 
 
-def held(accuracies, *, paths=100.0, times=1.0, lookup=1, steps=2):
+def held(accuracies, *, paths=100.0, times=1.0, lookup=1, steps=4, elements=200):
     """After steps that were taken to be surer, unless others are said."""
     n = len(accuracies.sampling)
     many = [np.full(n, some) for some in (paths, times)]
-    return Held(*many, np.full(n, lookup), np.full(n, steps), accuracies.own**2 * many[1])
+    return Held(*many, np.full(n, lookup), np.full(n, steps), accuracies.own**2 * many[1], elements)
 
 
 def step_for(accuracies, accuracy=0.01, *, options=None, **kept):
@@ -136,6 +136,16 @@ def test_a_step_always_does_something():
             after = step_for(found([0.012], **parts), steps=steps)
             assert after.larger == (after.options != SMALL)
             assert after.times[0] > 0.0
+
+
+def test_elements_that_do_not_come_are_not_asked_for_again():
+    """A room of small patches has no more of them; the readings that are off look later, and then nothing is left."""
+    off = found(np.full(400, 0.005), mesh=0.04)
+    later = step_for(off, paths=1e6, options=replace(SMALL, elements=2000), elements=200)
+    assert not later.larger and (later.lookup == 3).all()
+    assert step_for(off, paths=1e6, options=replace(SMALL, elements=2000), elements=200, lookup=3) is None
+    most = step_for(off, paths=1e9, options=replace(SMALL, elements=1_000_000), elements=1_000_000, lookup=3)
+    assert most is None or most.options.elements <= 2_500_000
 
 
 def test_what_nothing_mends_is_left_and_the_run_ends():
