@@ -198,6 +198,10 @@ class Pacer:
         of_step = (1.0 - number / self.asked.replicates) * self._step_seconds
         return self._within_limit(max(of_step, self._foreseen_end - elapsed), elapsed)
 
+    def too_late(self, elapsed: float) -> bool:
+        """Whether one more replicate of a step would end more than half of itself after the limit."""
+        return self.limit is not None and elapsed + 0.5 * self._step_seconds / self.asked.replicates > self.limit
+
     def _within_limit(self, left: float, elapsed: float) -> float:
         if self.limit is None:
             return left

@@ -174,9 +174,12 @@ class RadiositySolver:
                 self._pacer.replicated(self._elapsed(), self.record.seconds["readings"], price)
             else:
                 self._pacer.deepened(self.record.seconds["readings"], price)
-            if self._number == self.options.replicates:
+            late = self._pacer.too_late(self._elapsed())
+            if late or self._number == self.options.replicates:
                 self._step, self._accuracies = None, None
             yield self._state("replicate" if step.larger else "further samples")
+            if late:
+                break
 
     @contextmanager
     def _taken_back(self) -> Iterator[None]:

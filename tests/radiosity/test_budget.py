@@ -246,6 +246,18 @@ def test_light_that_was_not_kept_is_computed_again(device, monkeypatch):
     np.testing.assert_array_equal(*results)
 
 
+def test_time_is_kept_where_an_accuracy_is_out_of_reach(device):
+    """Whatever step the run is in then; what it has is better than without a step."""
+    scene = furnished_room()
+    solver = RadiositySolver(scene, replace(SMALL, accuracy=1e-4, time=4.0), device)
+    start = time.perf_counter() - device.build_time.wall
+    states = list(solver.states())
+    assert time.perf_counter() - device.build_time.wall - start <= 5.0
+    assert not solver.accuracy_reached
+    assert states[-1].median_error < 0.5 * next(s for s in states if s.replicate == 8).median_error
+    assert solver.solution().readings["s0"].accuracy.max() < 0.1
+
+
 def test_time_is_kept(device):
     """To a tenth and half a replicate, once kernels are built; a larger limit gives narrower intervals."""
     scene, errors = furnished_room(), []
