@@ -45,8 +45,8 @@ class Options:
     lookup : first hit of a path at which the solution may be looked up, 1, 2 or 3; later ones halve the error of coarse
         elements, but double and triple the variance and the price of a path: more elements are the cheaper way
     replicates : independent runs whose spread gives the intervals, at least 2
-    accuracy : wanted half width of the 95 % interval over the value, of each reading; more replicates, and larger ones
-        on smaller elements, are added until it is reached: the other settings say where to start
+    accuracy : wanted half width of the 95 % interval over the value, of each reading; readings that lack it get more
+        samples, and other elements where these are in the way: the other settings say where to start
     time : wall seconds that the run may take
     audit : check the intervals by unbiased paths after the run; a run with a time limit leaves a fifth of it to that
     occlusion, interreflection : force an effect on or off

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,8 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
 NEAR_FACTOR, FIRST_NEAR_FACTOR = 0.5, 3.0
 """The solution is never looked up at a hit nearer than so many sizes of its element; the second is for first hits."""
+KEPT_BYTES: Final = 512 * 2**20
+"""Samples of all replicates, for points that are read again; where there are more, none are kept."""
 _EFFORT_SEED, _READING_SEED, _TWIN_SEED = 0x3C6EF372, 0x5BD1E995, 0x2545F491
 
 
@@ -70,7 +72,6 @@ class PointReader:
     ----------
     scene : Scene
     options : Options
-        With an accuracy, the samples of each replicate are kept, so that points may be read again.
 
     Attributes
     ----------
@@ -109,6 +110,11 @@ class PointReader:
     def count(self) -> int:
         """Replicates that there are readings of."""
         return self._moments.count if not self._gathered else len(self._gathered)
+
+    @property
+    def reads_again(self) -> bool:
+        """Whether the samples of all replicates are kept."""
+        return len(self._gathered) == self.count
 
     @property
     def noise(self) -> CommonNoise:
@@ -155,7 +161,7 @@ class PointReader:
 
     def all_points(self, on: ReplicateLight) -> int:
         """Read all points in a further replicate; returns the number of rays."""
-        moments = self._moments
+        moments = self.moments
         if self.effort is None:
             self.effort = self._plan_effort(moments, on)
         self._columns = on.plan.columns
@@ -163,9 +169,11 @@ class PointReader:
         samples = self._samples(moments, everywhere, self.effort, on, on.seed ^ _READING_SEED)
         unseen = _unseen(moments, samples, self.effort, on)
         moments.add(replicate_readings(self._columns, samples, unseen))
+        gathered = Gathered(samples, np.ones(len(everywhere)), unseen)
+        kept = len(self._gathered) == moments.count - 1 and moments.count * gathered.nbytes <= KEPT_BYTES
+        self._gathered = [*self._gathered, gathered] if kept else []
         if self._options.accuracy is None:
             return self.effort.rays
-        self._gathered.append(Gathered(samples, np.ones(len(everywhere)), unseen))
         twin_effort = self.effort.some(self._twins)
         second = self._samples(moments, self._twins, twin_effort, on, on.seed ^ _TWIN_SEED)
         pair = [_brightness(some, on) for some in (samples.irradiance[self._twins], second.irradiance)]

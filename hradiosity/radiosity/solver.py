@@ -148,7 +148,8 @@ class RadiositySolver:
         found = self._found()
         held = self._reader.held(found, len(self._prepare().elements))
         self._reader.learn(held)
-        step = self._pacer.next_step(found, self._reader.count, held, self._elapsed())
+        again = self.reads_again and self._reader.reads_again
+        step = self._pacer.next_step(found, self._reader.count, held, self._elapsed()) if again else None
         if step is None or (step.larger and not self._renew(step)):
             return False
         self._step, self._number = step, 0
@@ -161,7 +162,7 @@ class RadiositySolver:
             yield self._state("larger replicates")
         share = self._reader.share(step)
         price = step.price(self._reader.held())
-        while self._number < self.options.replicates:
+        while self._number < self._reader.count:
             with self._taken_back():
                 on = self._prepared().light(self._number)
                 with self.record.timed("readings"):
@@ -175,7 +176,7 @@ class RadiositySolver:
             else:
                 self._pacer.deepened(self.record.seconds["readings"], price)
             late = self._pacer.too_late(self._elapsed())
-            if late or self._number == self.options.replicates:
+            if late or self._number == self._reader.count:
                 self._step, self._accuracies = None, None
             yield self._state("replicate" if step.larger else "further samples")
             if late:
@@ -406,6 +407,7 @@ class RadiositySolver:
 
     def _wanted(self) -> int:
         """Replicates of this round, as far as is known by now."""
+        self._pacer.steps = self.reads_again and self._reader.reads_again
         return self._pacer.wanted(self._found(), self._reader.count, self._elapsed())
 
     def _found(self) -> Accuracies | None:
@@ -428,7 +430,7 @@ class RadiositySolver:
         return State(
             stage=stage,
             replicate=done,
-            replicates=self.options.replicates if self._step is not None else self._wanted(),
+            replicates=self._reader.count if self._step is not None else self._wanted(),
             seconds=self._elapsed(),
             error=float(errors.max()) if len(errors) else float("inf"),
             median_error=float(np.median(errors)) if len(errors) else float("inf"),

@@ -26,6 +26,12 @@ class Gathered:
     times: NDArray[np.float64]
     unseen: NDArray[np.float64] | None
 
+    @property
+    def nbytes(self) -> int:
+        """Bytes that it takes, about."""
+        arrays = self.samples.irradiance, self.samples.change, self.unseen
+        return sum(array.nbytes for array in arrays if array is not None)
+
     def with_more(
         self, chosen: NDArray[np.int64], more: ReadingSamples, times: NDArray[np.float64], anew: NDArray[np.bool_]
     ) -> Gathered:

@@ -246,6 +246,28 @@ def test_light_that_was_not_kept_is_computed_again(device, monkeypatch):
     np.testing.assert_array_equal(*results)
 
 
+def test_a_run_without_an_accuracy_can_go_on_to_one(device):
+    """From its own readings, by the light of its replicates, which is computed once more."""
+    scene = furnished_room()
+    plain = RadiositySolver(scene, SMALL, device)
+    list(plain.states())
+    going_on = RadiositySolver(scene, replace(SMALL, accuracy=0.02, replicates=4), device)
+    going_on.restore(plain.checkpoint())
+    assert {state.stage for state in going_on.states()} == {"geometry", "further samples"}
+    assert going_on.accuracy_reached
+    before, after = (some.solution().readings["s0"] for some in (plain, going_on))
+    sure = before.accuracy <= 0.02
+    np.testing.assert_array_equal(before.irradiance[sure], after.irradiance[sure])
+    assert after.accuracy.max() <= 0.02 < before.accuracy.max()
+
+
+def test_where_samples_are_not_kept_more_replicates_do(device, monkeypatch):
+    monkeypatch.setattr("hradiosity.radiosity.point_reader.KEPT_BYTES", 0)
+    solver = RadiositySolver(furnished_room(), replace(SMALL, accuracy=0.02), device)
+    assert {state.stage for state in solver.states()} == {"geometry", "replicate"}
+    assert solver.accuracy_reached and solver.replicates > 8
+
+
 def test_time_is_kept_where_an_accuracy_is_out_of_reach(device):
     """Whatever step the run is in then; what it has is better than without a step."""
     scene = furnished_room()
