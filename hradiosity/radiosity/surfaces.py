@@ -115,7 +115,7 @@ class SurfaceSolver:
         chance = lamp_probability(self.on_device, self.on_device_elements, self.light.emission, self.sight)
         self._tried = None if chance is None else float(chance.sum())
         self._chance = None if chance is None else self.device.upload(chance)
-        self._points = self._points_for_lamps() if chance is None else None
+        self._lamp_points = self._points_for_lamps() if chance is None else None
 
     def _points_for_lamps(self) -> DeviceArray | None:
         """Where lamps call for more points than the plan has, for `direct_on_rows`."""
@@ -143,7 +143,13 @@ class SurfaceSolver:
             hits = self._trace(seed)
         with self.record.timed("direct light"):
             per_emitter = direct_on_rows(
-                self.on_device, self.on_device_elements, hits, self.plan.light_points, seed, self._chance, self._points
+                self.on_device,
+                self.on_device_elements,
+                hits,
+                self.plan.light_points,
+                seed,
+                self._chance,
+                self._lamp_points,
             )
             traced = per_emitter.size if self.sight is None else int(np.count_nonzero(self.sight == UNKNOWN))
             traced = traced if self._tried is None else min(traced, round(self._tried))

@@ -31,13 +31,16 @@ normal = [0.0, 0.0, 1.0]
 
 
 def test_case_40_flux_of_narrow_lines_is_conserved(device, tmp_path):
-    """Whole lines in their bands, by exact sums; the light of the panel by Lambert's formula; and a word about it."""
+    """Lines between the middles of their bands, by exact sums and means; the light of the panel by Lambert's formula;
+    and a word about it."""
     text = SODIUM + scene_writing.FLOOR.replace("4.0", "1e-3").replace("2.0", "1e-3") + scene_writing.PANEL + EYE
     scene = scene_writing.load(tmp_path, text)
     (lamp,) = scene.luminaires
     (lines,) = np.nonzero(lamp.exitance)
-    np.testing.assert_array_equal(scene.bands.centre[lines], [590.0, 635.0])
-    np.testing.assert_array_equal(lamp.exitance[lines], [3.0, 1.0])
+    np.testing.assert_array_equal(scene.bands.centre[lines], [585.0, 590.0, 630.0, 635.0])
+    power, place = lamp.exitance[lines].reshape(2, 2), scene.bands.centre[lines].reshape(2, 2)
+    np.testing.assert_allclose(power.sum(axis=1), [3.0, 1.0], rtol=1e-12)
+    np.testing.assert_allclose((power * place).sum(axis=1) / power.sum(axis=1), [589.2, 632.8], rtol=1e-12)
     solution = solve(scene, QUICK, device)
     factor = rectangle_factor((0.5, 0.5, 0.0), (0, 0, 1), (0, 0, 3), (1, 0, 0), (0, 1, 0))
     assert only(solution).irradiance.sum() == pytest.approx(4.0 * factor, rel=1e-5)

@@ -100,7 +100,7 @@ def test_lines_bands_and_ends_of_lamps(device, tmp_path):
     found = findings(device, tmp_path, sodium)
     (finding,) = of_kind(found, "line-in-band")
     assert finding.message.startswith("100 % of the light of luminaire 'lamp'")
-    assert "at 590 nm" in finding.message
+    assert "at 589 nm" in finding.message
     assert of_kind(found, "lamp-cut-off") == []
     red = SOUND.replace("first = 400, last = 700, step = 50", "first = 600, last = 700, step = 50")
     assert len(of_kind(findings(device, tmp_path, red), "bands-miss-light")) == 1

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hradiosity.model import photometry
 from hradiosity.model.scene import Luminaire, Scene
@@ -16,7 +17,7 @@ COVERED = 0.99
 CUT = 0.1
 """Power density in an outermost band over the highest one, from which more light is likely beyond."""
 _NARROW = 4.0
-"""A band that holds this many times the density of both neighbours has a line in it."""
+"""One band, or two beside one another, that hold this many times the density on both sides have a line in them."""
 _SHARE = 0.02
 """Lines with a smaller share of the light don't count."""
 
@@ -85,19 +86,31 @@ def _of_lamp(lamp: Luminaire, bands: Bands) -> Iterator[Finding]:
             "its light beyond is left out of radiant quantities",
             "",
         )
-    padded = np.concatenate([[0.0], density, [0.0]])
-    beside = np.maximum(padded[:-2], padded[2:])
-    lines = np.flatnonzero((density > _NARROW * beside) & (power > _SHARE * power.sum()))
-    if len(lines):
-        where = ", ".join(f"{bands.centre[k]:g}" for k in lines)
+    place, sent = _lines(power, bands)
+    told = sent > _SHARE * power.sum()
+    if told.any():
         yield Finding(
             "line-in-band",
             "info",
             lamp.name,
             nowhere(),
             0.0,
-            f"{100 * power[lines].sum() / power.sum():.3g} % of the light of luminaire '{lamp.name}' is in lines "
-            f"narrower than the bands, at {where} nm",
+            f"{100 * sent[told].sum() / power.sum():.3g} % of the light of luminaire '{lamp.name}' is in lines "
+            f"narrower than the bands, at {', '.join(f'{wavelength:.4g}' for wavelength in place[told])} nm",
             "their power is kept, but reflectances count with their mean over a band",
             "use narrower bands there if a reflectance changes steeply",
         )
+
+
+def _lines(power: NDArray[np.float64], bands: Bands) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Mean wavelengths [nm] and power of what stands in one band, or in two that share a line, with little beside."""
+    density = np.concatenate([[0.0, 0.0], power / bands.width, [0.0, 0.0]])
+    little = _NARROW * np.maximum(density[:-3], density[3:])
+    narrow = np.zeros(len(density), bool)
+    for shift in (1, 2):
+        narrow[shift : shift + len(little)] |= density[shift : shift + len(little)] > little
+    narrow = narrow[2:-2]
+    group = np.cumsum(narrow & ~np.concatenate([[False], narrow[:-1]]))[narrow] - 1
+    sent = np.bincount(group, power[narrow]).astype(np.float64)
+    place = np.bincount(group, power[narrow] * bands.centre[narrow]) / sent
+    return place, sent
