@@ -64,6 +64,8 @@ MOST_GROWTH: Final = 256.0
 """Of all samples, elements or rays, from one round to the next."""
 MOST_ELEMENTS, MOST_RAYS = 2e6, 2.0**16
 """Elements, and rays from each in all replicates, that no round goes beyond."""
+LEAST_MORE_RAYS: Final = 1.5
+"""Growth of the rays from each element that a round is begun for: parts in the way are estimates themselves."""
 SATURATED: Final = 2.0
 """Elements asked for over those that there are, from which on smaller patches or rooms bound them, and not the wish."""
 LEAST_TOLERANCE: Final = 1e-6
@@ -257,6 +259,8 @@ def _cheapest_remedy(
             gain = np.where(deep, DEEP_GAIN, 1.0)
             noise = np.where(off & _noisy(found, accuracy), found.common, 0.0) / gain / elements**0.5
             rays = _rays_growth(accuracy, exchange[lacking] / gain[lacking], noise)
+            if elements == 1.0 < rays:
+                rays = max(rays, LEAST_MORE_RAYS)
             rays = min(rays, MOST_GROWTH, max(1.0, MOST_RAYS / options.rays_per_element))
             remedy = _Remedy(float(elements), rays, deep)
             price = _price(remedy, found, accuracy, options, held, lacking)

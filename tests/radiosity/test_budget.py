@@ -121,6 +121,14 @@ def test_rays_of_elements_follow_the_exchange_part():
     assert few.options.rays_per_element == pytest.approx(2.5 * SMALL.rays_per_element, rel=0.01)
 
 
+def test_no_round_is_begun_for_a_handful_of_rays():
+    """The exchange part is a little too large: its estimate is no better than that."""
+    exchange = np.full(100, 0.001)
+    exchange[0] = 0.0071
+    barely = step_for(found(np.full(100, 0.008), exchange=exchange), paths=1e5, lookup=3)
+    assert barely.larger and barely.options.rays_per_element == 1.5 * SMALL.rays_per_element
+
+
 def test_the_solver_goes_on_where_its_tolerance_is_what_is_left():
     """And all readings are taken anew, since the tolerance is part of each of them."""
     tighter = step_for(found([0.005, 0.001], other=[0.012, 0.001]))
