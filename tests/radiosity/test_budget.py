@@ -125,7 +125,7 @@ def test_no_round_is_begun_for_a_handful_of_rays():
     """The exchange part is a little too large: its estimate is no better than that."""
     exchange = np.full(100, 0.001)
     exchange[0] = 0.0071
-    barely = step_for(found(np.full(100, 0.008), exchange=exchange), paths=1e5, lookup=3)
+    barely = step_for(found(np.full(100, 0.012), exchange=exchange), paths=1e5, lookup=3)
     assert barely.larger and barely.options.rays_per_element == 1.5 * SMALL.rays_per_element
 
 
