@@ -305,7 +305,7 @@ def _price(
     times = np.where(lacking, np.maximum(needed - had, 0.0), 0.0)
     readings = options.replicates * held.price(times, np.where(remedy.deep, DEEP, held.lookup))
     per_element = (1.0 - RAYS_PRICE + RAYS_PRICE * remedy.rays) * ELEMENT_PATHS
-    return readings + (per_element * remedy.elements * options.elements if renewed else 0.0)
+    return readings + (per_element * remedy.elements * (held.elements or options.elements) if renewed else 0.0)
 
 
 def grown(options: Options, *, elements: float = 1.0, rays: float = 1.0, samples: float = 1.0) -> Options:

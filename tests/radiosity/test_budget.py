@@ -102,7 +102,7 @@ def test_few_readings_beside_large_elements_look_up_later():
     """That costs less than smaller elements everywhere; their paths vary more, and they get more of them."""
     mesh = np.zeros(400)
     mesh[:3] = 0.011
-    step = step_for(found(np.full(400, 0.009), mesh=mesh), options=replace(SMALL, elements=8000))
+    step = step_for(found(np.full(400, 0.009), mesh=mesh), options=replace(SMALL, elements=8000), elements=8000)
     assert not step.larger
     assert (step.lookup[:3] == 3).all() and (step.lookup[3:] == 1).all()
     assert step.anew[:3].all() and (step.times[:3] > 1.0).all() and not step.times[3:].any()
