@@ -37,6 +37,7 @@ ELEMENT_PATHS: Final = 200.0
 RAYS_PRICE: Final = 0.5
 """Share of that that grows with the number of its rays."""
 MOST_READINGS: Final = 0.9
+"""Share of the readings that lack accuracy whose exchange part is brought down to its share; few are off by more."""
 NOISE_SHARE: Final = 0.35
 """Of the wanted half width squared, what may for certain come from the noise of the light on the elements."""
 NOISE_GOAL: Final = 0.25

@@ -10,7 +10,7 @@ from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
 from hradiosity.radiosity.classic_surfaces import ClassicLight, ClassicSurfaces
-from hradiosity.radiosity.round import KEPT_BYTES
+from hradiosity.radiosity.round import KEPT_BYTES, TOO_FEW
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.radiosity.surfaces import SurfaceSolver
@@ -67,8 +67,8 @@ class ClassicSolver(RadiositySolver):
         """
         if sensor.parts is not None and sensor.parts.response is not None:
             raise ValueError(f"the classic mode reads planes, and {sensor.name!r} is {sensor.kind}")
-        if len(self._lights) < 2:
-            raise RuntimeError("further points need the light of two replicates or more, computed by this process")
+        if not self.keeps_light:
+            raise RuntimeError(TOO_FEW)
         full = self.options.full_metrics
         moments = ReadingMoments((sensor,), self.scene.bands, full=full, scene=self.scene)
         for light in self._lights:
@@ -90,8 +90,8 @@ class ClassicSolver(RadiositySolver):
         RuntimeError
             Before two replicates are kept.
         """
-        if len(self._lights) < 2:
-            raise RuntimeError("further points need the light of two replicates or more, computed by this process")
+        if not self.keeps_light:
+            raise RuntimeError(TOO_FEW)
         moments = ReadingMoments((Sensor("map", position, normal),), self.scene.bands, scene=self.scene)
         for light in self._lights:
             self._gather(moments, light, direct=False)

@@ -163,15 +163,14 @@ class Pacer:
             self._step_seconds = self._expected(step, held)
         return step
 
-    def begin(self, following: Options, elapsed: float, given_up: dict[str, float] | None = None) -> None:
+    def begin(self, following: Options, elapsed: float, given_up: dict[str, float]) -> None:
         """Start replicates of another size; what is given up for them is remembered."""
-        if given_up is not None:
-            self.rounds.append({"seconds": elapsed - self._round_start, **given_up})
+        self.rounds.append({"seconds": elapsed - self._round_start, **given_up})
         self.size = following
         self._round_start = elapsed
         self._ends = []
 
-    def remaining(self, found: Accuracies | None, done: int, held: Held | None, elapsed: float) -> float | None:
+    def remaining(self, found: Accuracies | None, done: int, held: Held, elapsed: float) -> float | None:
         """Expected seconds to the end of a run that goes through the replicates of a round; None if nothing is known.
 
         Parameters
@@ -189,7 +188,7 @@ class Pacer:
         else:
             expected = found.foreseen(done, max(done, least))
             left = (self.wanted(expected, max(done, least), elapsed) - done) * each
-            if self.steps and held is not None:
+            if self.steps:
                 left += self._to_accuracy(expected, self.asked.accuracy, held)
         return self._within_limit(left, elapsed)
 

@@ -148,8 +148,7 @@ class RadiositySolver:
         found = self._found()
         held = self._reader.held(found, len(self._prepare().elements))
         self._reader.learn(held)
-        again = self.reads_again and self._reader.reads_again
-        step = self._pacer.next_step(found, self._reader.count, held, self._elapsed()) if again else None
+        step = self._pacer.next_step(found, self._reader.count, held, self._elapsed())
         if step is None or (step.larger and not self._renew(step)):
             return False
         self._step, self._number = step, 0
