@@ -30,7 +30,8 @@ __kernel void apply_links(__global const uint *link_start,  /* (n_rows + 1,)    
         ((hr_groups_out)product)[(size_t)row * HR_GROUPS + g] = sum[g];
 }
 
-/* Each row's factors times the rows of `combination`, HR_GROUPS groups of columns wide; a work-item a row. */
+/* Each row's factors times the rows of `combination`, HR_GROUPS groups of columns wide; a work-item a row. Many
+   factors may be 0: of many lamps few light a row. */
 __kernel void combine_columns(__global const float *factors,     /* (n_rows, n_factors)        */
                               __global const float *combination, /* (n_factors, 8 HR_GROUPS)   */
                               __global float *combined,          /* (n_rows, 8 HR_GROUPS)      */
@@ -45,6 +46,8 @@ __kernel void combine_columns(__global const float *factors,     /* (n_rows, n_f
         sum[g] = (float8)(0.0f);
     for (uint k = 0; k < n_factors; ++k) {
         const float factor = factors[(size_t)row * n_factors + k];
+        if (factor == 0.0f)
+            continue;
 #pragma unroll
         for (uint g = 0; g < HR_GROUPS; ++g)
             sum[g] += factor * ((hr_groups_in)combination)[(size_t)k * HR_GROUPS + g];

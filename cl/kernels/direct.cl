@@ -238,3 +238,34 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
     }
     direct[i] = weight > 0.0f ? factor * (open / weight) : 0.0f;
 }
+
+/* Summed probabilities with which lamps are drawn at hits on each row: `found_share` of them by the light that was found
+   there, `clear_share` by the light without obstacles, the rest evenly. Where lamps are many, few are tried in a
+   replicate, and what one that was not tried sends would count as often as an even share is small. */
+__kernel void choose_lamps(__global const float *direct,     /* (n_rows, n_emitters) of this replicate   */
+                           __global const float *clear,      /* (n_rows, n_emitters) without obstacles   */
+                           __global const float *brightness, /* (n_emitters,) of a unit of each          */
+                           __global float *sums,             /* (n_rows, n_emitters) ascending, last 1   */
+                           const float found_share, const float clear_share, const uint n_emitters,
+                           const uint n_items)
+{
+    const uint row = get_global_id(0);
+    if (row >= n_items)
+        return;
+    const size_t first = (size_t)row * n_emitters;
+    float found = 0.0f, without = 0.0f;
+    for (uint e = 0; e < n_emitters; ++e) {
+        found += hr_larger(direct[first + e], 0.0f) * brightness[e];
+        without += clear[first + e] * brightness[e];
+    }
+    const float by_found = found > 0.0f ? found_share / found : 0.0f;
+    const float by_clear = without > 0.0f ? clear_share / without : 0.0f;
+    const float even = (1.0f - (found > 0.0f ? found_share : 0.0f) - (without > 0.0f ? clear_share : 0.0f)) /
+                       (float)n_emitters;
+    float sum = 0.0f;
+    for (uint e = 0; e < n_emitters; ++e) {
+        sum += (by_found * hr_larger(direct[first + e], 0.0f) + by_clear * clear[first + e]) * brightness[e] + even;
+        sums[first + e] = sum;
+    }
+    sums[first + n_emitters - 1] = 1.0f;
+}

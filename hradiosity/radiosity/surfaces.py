@@ -26,7 +26,7 @@ from hradiosity.radiosity.refinement import GreyLight, Refinement
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
 from hradiosity.radiosity.scene_light import SceneLight
 from hradiosity.radiosity.watching import Glimpse, LightWatch
-from hradiosity.readings.surface_light import SurfaceLight, emitter_choice
+from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.solution import Surfaces
 from hradiosity.solvers.choice import SolverChoice
 from hradiosity.solvers.dense import DIRECT_SOLVERS, check_dense_size
@@ -41,10 +41,10 @@ from hradiosity.space.lit_sides import LitSides, find_lit_sides
 from hradiosity.space.shafts import UNKNOWN
 from hradiosity.transport.contrast import lookup_sizes
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
-from hradiosity.transport.direct import direct_on_rows
+from hradiosity.transport.direct import direct_on_rows, light_of_emitters
 from hradiosity.transport.exchange import ClosedRows, Exchange, RowHits, build_exchange, trace_rows
 from hradiosity.transport.glow import sampled_scene
-from hradiosity.transport.lamp_choice import lamp_probability
+from hradiosity.transport.lamp_choice import drawn_at_hits, lamp_probability, light_without_obstacles, many_lamps
 from hradiosity.transport.lamp_doubt import points_for_lamps
 
 RETRIES = 3
@@ -112,17 +112,21 @@ class SurfaceSolver:
         solver = RowLight(self.plan, self.options, self._choice, self._choose_basis())
         self.iteration = Iteration(solver, self.space, self.elements.area)
         self._parent = self._coarser()
-        chance = lamp_probability(self.on_device, self.on_device_elements, self.light.emission, self.sight)
+        self._plan_lamps()
+
+    def _plan_lamps(self) -> None:
+        """How often elements try each lamp, and from how many points; what lamps could send without obstacles."""
+        place, lamps = (self.on_device, self.on_device_elements), (self.light.emission, self.sight)
+        clear = light_without_obstacles(*place, roughly=many_lamps(self.on_device))
+        chance = lamp_probability(self.on_device, clear, *lamps)
+        points = None
+        if chance is None:
+            seed = self.options.seed ^ POINTS_SEED
+            points = points_for_lamps(*place, clear, *lamps, self.plan.light_points, seed)
         self._tried = None if chance is None else float(chance.sum())
         self._chance = None if chance is None else self.device.upload(chance)
-        self._lamp_points = self._points_for_lamps() if chance is None else None
-
-    def _points_for_lamps(self) -> DeviceArray | None:
-        """Where lamps call for more points than the plan has, for `direct_on_rows`."""
-        seed = self.options.seed ^ POINTS_SEED
-        place = self.on_device, self.on_device_elements
-        points = points_for_lamps(*place, self.light.emission, self.sight, self.plan.light_points, seed)
-        return None if points is None else self.device.upload(points)
+        self._lamp_points = None if points is None else self.device.upload(points)
+        self._clear_light = self.device.upload(clear)
 
     def _divide(self, lit: LitSides) -> Elements:
         """The row elements of the lit sides."""
@@ -157,7 +161,8 @@ class SurfaceSolver:
         with self.record.timed("exchange"):
             exchange = self._exchange(hits, seed)
             self.record.defects.append(exchange.defects)
-        direct = self._direct_columns(per_emitter, exchange)
+        row_direct = self.device.upload(per_emitter)
+        direct = self._direct_columns(row_direct, exchange)
         reflectance = self.light.reflectance[self.elements.row_material]
         companion = COMPANION_ROTA[self.iteration.means.count % len(COMPANION_ROTA)]
         with self.record.timed("solution"):
@@ -181,8 +186,8 @@ class SurfaceSolver:
             reflected=self.device.upload(reflectance * irradiance + self._row_glow),
             row_size=self.device.upload(self._lookup_size(hits, exchange.element_area, reflectance, irradiance)),
             sky=self.light.sky_on_device,
-            emitter_choice=self.device.upload(emitter_choice(per_emitter, self.light.emission)),
-            row_direct=self.device.upload(per_emitter),
+            emitter_choice=drawn_at_hits(self.on_device, row_direct, self._clear_light, self.light.emission),
+            row_direct=row_direct,
             weight=self.light.weight_on_device,
             row_space=self.space,
             change=None if coarse is None else self.device.upload(reflectance * (coarse - irradiance)),
@@ -338,9 +343,11 @@ class SurfaceSolver:
             raise TypeError(f"rows between single elements are wanted, not {type(exchange).__name__}")
         return exchange
 
-    def _direct_columns(self, per_emitter: NDArray[np.float32], exchange: ClosedRows) -> NDArray[np.float32]:
+    def _direct_columns(self, row_direct: DeviceArray, exchange: ClosedRows) -> NDArray[np.float32]:
         """(n_rows, 8 n_groups) direct irradiance from emitters and sky."""
-        direct: NDArray[np.float32] = np.einsum("re,ec->rc", per_emitter, self.light.emission)
+        direct = light_of_emitters(
+            self.device, row_direct, self.light.emission_on_device, (len(self.elements), self.on_device.n_emitters)
+        )
         if self.scene.sky is not None:
             area = exchange.element_area
             share = np.divide(exchange.sky, area, out=np.zeros_like(area), where=area > 0.0)

@@ -11,9 +11,6 @@ from hradiosity.device.device import DeviceArray
 from hradiosity.estimate import MESH
 from hradiosity.plan import SpectralColumns
 
-UNIFORM_SHARE = 0.1
-"""Part of the probability with which an emitter is drawn at a hit that does not depend on the solution."""
-
 
 @dataclass(frozen=True)
 class SurfaceLight:
@@ -26,7 +23,8 @@ class SurfaceLight:
     row_size : (n_rows,) float32 on the device, edge of each element [m]; infinite for those that were found wholly
         covered and thus have no light to look up, below 0 where it may be looked up at a first hit that is near
     sky : (8 n_groups,) float32 on the device, π · radiance
-    emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter
+    emitter_choice : (n_rows, n_emitters) float32 on the device, summed probability of drawing an emitter,
+        see `hradiosity.transport.lamp_choice.drawn_at_hits`
     row_direct : (n_rows, n_emitters) float32 on the device, direct light of each element for unit emission
     weight : (8 n_groups,) float32 on the device, brightness of a unit of each column
     row_space : (n_rows,) int32, connected space that each element looks into
@@ -55,29 +53,3 @@ class SurfaceLight:
         """Bytes on the device that no other replicate shares."""
         own = (self.reflected, self.row_size, self.emitter_choice, self.row_direct, self.change)
         return sum(int(array.nbytes) for array in own if array is not None)
-
-
-def emitter_choice(direct: NDArray[np.float32], emission: NDArray[np.float32]) -> NDArray[np.float32]:
-    """Summed probabilities of drawing each emitter at a hit, in proportion to the light it sends to that element.
-
-    Parameters
-    ----------
-    direct : (n_rows, n_emitters) float32
-        Irradiance of each element for unit emission; estimates below 0 count as 0.
-    emission : (n_emitters, n_columns) float32
-
-    Returns
-    -------
-    (n_rows, n_emitters) float32
-        Ascending; a tenth of the probability is shared evenly, so that no emitter is ever left out, and the last
-        entry is above 1.
-    """
-    n = direct.shape[1]
-    if n == 0:
-        return np.zeros((len(direct), 0), np.float32)
-    light = np.maximum(direct, 0.0) * emission.mean(axis=1, dtype=np.float64)[None, :]
-    total = light.sum(axis=1, keepdims=True)
-    share = np.divide(light, total, out=np.full(light.shape, 1.0 / n), where=total > 0.0)
-    sums = np.cumsum((1.0 - UNIFORM_SHARE) * share + UNIFORM_SHARE / n, axis=1).astype(np.float32)
-    sums[:, -1] = 1.0
-    return sums

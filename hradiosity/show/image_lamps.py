@@ -42,7 +42,7 @@ def lamp_tables(
     if free.size:
         free = light_without_obstacles(scene, elements)
     if free.size and scene.occlusion:
-        chance = lamp_probability(scene, elements, brightness[:, None].astype(np.float32), None)
+        chance = lamp_probability(scene, free, brightness[:, None].astype(np.float32), None)
         points = LAMP_POINTS if chance is None else FEW_LAMP_POINTS
         tried = None if chance is None else device.upload(chance)
         direct = direct_on_rows(scene, elements, hits, points, seed, tried)

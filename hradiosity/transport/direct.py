@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.device.device import DeviceArray
+from hradiosity.device.device import Device, DeviceArray
 from hradiosity.space.shafts import MOST_VISITS
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
@@ -64,6 +64,29 @@ def direct_on_rows(
         scale=scene.scale,
     )
     fetched: NDArray[np.float32] = scene.device.fetch(direct)
+    return fetched
+
+
+def light_of_emitters(
+    device: Device, direct: DeviceArray, emission: DeviceArray, shape: tuple[int, int]
+) -> NDArray[np.float32]:
+    """(n_rows, 8 n_groups) irradiance by all emitters together.
+
+    Parameters
+    ----------
+    direct : `shape` = (n_rows, n_emitters) float32 on the device
+        For unit emission.
+    emission : (n_emitters, 8 n_groups) float32 on the device
+    """
+    n_rows, n_emitters = shape
+    width = emission.shape[1]
+    if n_emitters == 0 or n_rows == 0:
+        return np.zeros((n_rows, width), np.float32)
+    light = device.empty((n_rows, width), np.float32)
+    device.kernel("columns", "combine_columns", HR_GROUPS=width // 8)(
+        n_rows, factors=direct, combination=emission, combined=light, n_factors=n_emitters
+    )
+    fetched: NDArray[np.float32] = device.fetch(light)
     return fetched
 
 

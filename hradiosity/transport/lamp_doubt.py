@@ -15,7 +15,6 @@ from hradiosity.space.shafts import UNKNOWN
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import RowHits
-from hradiosity.transport.lamp_choice import light_without_obstacles
 
 PILOT_POINTS: Final = 8
 """Points of each element that tell, once, what it sees of each lamp."""
@@ -29,6 +28,7 @@ TIMES: Final = 8
 def points_for_lamps(
     scene: DeviceScene,
     elements: DeviceElements,
+    clear: NDArray[np.float32],
     emission: NDArray[np.float32],
     sight: NDArray[np.uint8] | None,
     n_points: int,
@@ -38,6 +38,8 @@ def points_for_lamps(
 
     Parameters
     ----------
+    clear : (n_rows, n_emitters) float32
+        Irradiance for unit emission if nothing were in the way.
     emission : (n_emitters, n_columns) float32
         Exitance or intensity.
     sight : (n_rows, n_emitters) uint8, optional
@@ -52,8 +54,7 @@ def points_for_lamps(
     hits = RowHits(exposed, exposed, scene.device.upload(exposed))
     bright = emission.mean(axis=1)
     seen = direct_on_rows(scene, elements, hits, PILOT_POINTS, seed) * bright
-    clear = light_without_obstacles(scene, elements) * bright
-    doubtful = (seen > 0.0) & (seen.sum(axis=1, keepdims=True) < DOUBTFUL * clear)
+    doubtful = (seen > 0.0) & (seen.sum(axis=1, keepdims=True) < DOUBTFUL * clear * bright)
     if sight is not None:
         doubtful &= sight == UNKNOWN
     return np.where(doubtful, TIMES * n_points, n_points).astype(np.uint32) if doubtful.any() else None

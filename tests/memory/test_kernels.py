@@ -165,11 +165,17 @@ def test_lamps_tried_by_chance(device, monkeypatch):
     on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=True)
     elements = build_elements(scene.patches, lit_fronts(scene).space, np.ones(len(scene.materials), bool), 1.0)
     uploaded = upload_elements(device, elements)
-    chance = lamp_choice.lamp_probability(on_device, uploaded, np.ones((2, 8), np.float32), None)
+    clear, emission = (
+        lamp_choice.light_without_obstacles(on_device, uploaded, roughly=True),
+        np.ones((2, 8), np.float32),
+    )
+    chance = lamp_choice.lamp_probability(on_device, clear, emission, None)
     assert chance is not None and (chance >= lamp_choice.LEAST_PROBABILITY).all() and chance.min() < 0.5
     hits = trace_rows(on_device, uploaded, 8, 1)
     direct = direct_on_rows(on_device, uploaded, hits, 2, 1, device.upload(chance))
     assert (direct >= 0.0).all() and direct.any() and (direct == 0.0).any()
+    sums = lamp_choice.drawn_at_hits(on_device, device.upload(direct), device.upload(clear), emission)
+    assert (np.diff(device.fetch(sums), axis=1) > 0.0).all()
 
 
 def test_unbiased_paths(device):

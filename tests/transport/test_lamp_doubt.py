@@ -10,6 +10,7 @@ from hradiosity.space.lit_sides import find_lit_sides
 from hradiosity.transport.device_scene import upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import trace_rows
+from hradiosity.transport.lamp_choice import light_without_obstacles
 from hradiosity.transport.lamp_doubt import TIMES, points_for_lamps
 
 EMISSION = np.ones((1, 8), np.float32)
@@ -31,18 +32,22 @@ def floor_behind_a_wall(device, *, slit):
     return upload_scene(device, scene, bvh, occlusion=True), upload_elements(device, elements)
 
 
+def lamp_points(scene, elements):
+    return points_for_lamps(scene, elements, light_without_obstacles(scene, elements), EMISSION, None, 4, 1)
+
+
 def test_more_points_behind_the_slit_and_nowhere_else(device):
     scene, elements = floor_behind_a_wall(device, slit=True)
-    points = points_for_lamps(scene, elements, EMISSION, None, 4, 1)
+    points = lamp_points(scene, elements)
     assert points is not None and set(np.unique(points)) == {4, 4 * TIMES}
     assert 0.02 < (points > 4).mean() < 0.2
-    assert points_for_lamps(*floor_behind_a_wall(device, slit=False), EMISSION, None, 4, 1) is None
+    assert lamp_points(*floor_behind_a_wall(device, slit=False)) is None
 
 
 def test_they_change_the_noise_and_not_the_mean(device):
     """Over 64 seeds: sums of what these elements get agree, with less than half of the variance."""
     scene, elements = floor_behind_a_wall(device, slit=True)
-    points = points_for_lamps(scene, elements, EMISSION, None, 4, 1)
+    points = lamp_points(scene, elements)
     assert points is not None
     some = points[:, 0] > 4
     uploaded = device.upload(points)
