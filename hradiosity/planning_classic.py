@@ -13,6 +13,8 @@ PIXELS_A_PATCH: Final = 64
 """Projecting a patch on the five faces costs about as much as drawing so many pixels."""
 VISIBLE_SHARE: Final = 1.0 / 3.0
 """Part of all row elements that a patch sees, about: half of a room's are in front of it, and things hide some."""
+COARSER: Final = 12.0 / 16.0
+"""Bytes of a factor between patches of twice the size, which are a quarter as many."""
 SLOWEST: Final = 0.999
 """Mean reflectance beyond which shots are not told apart."""
 
@@ -80,8 +82,10 @@ def products(shots: int, hemicubes: int, shooters: int, n_columns: int) -> int:
 
 
 def _memory(plan: Plan, sizes: ClassicSizes, view: float) -> int:
-    """Bytes: item and depth buffers and their sums, kept views with their rows by patch, columns of the shooting."""
+    """Bytes: item and depth buffers and their sums, kept views with their rows by patch and by patches of twice the
+    size, columns of both shootings.
+    """
     buffers = sizes.batch * (24 * sizes.resolution**2 + 4 * sizes.elements)
-    views = min(sizes.kept_bytes, int(sizes.shooters * view)) + int(8 * VISIBLE_SHARE * sizes.shooters**2)
-    columns = 8 * plan.columns.n_columns * (8 * sizes.shooters + 10 * sizes.elements)
+    views = min(sizes.kept_bytes, int(sizes.shooters * view)) + int((8 + COARSER) * VISIBLE_SHARE * sizes.shooters**2)
+    columns = 8 * plan.columns.n_columns * (12 * sizes.shooters + 14 * sizes.elements)
     return buffers + views + columns

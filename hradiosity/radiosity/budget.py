@@ -71,6 +71,10 @@ SATURATED: Final = 2.0
 """Elements asked for over those that there are, from which on smaller patches or rooms bound them, and not the wish."""
 LEAST_TOLERANCE: Final = 1e-6
 """Of the linear solver: single precision gets no further."""
+MOST_FINER: Final = 4.0
+"""Growth of the elements from one round to the next where all readings are read anew with them."""
+FINER_POWER: Final = 1.5
+"""Of the elements, with which the work of the classic mode grows, about."""
 WORTH_A_ROUND: Final = 2.0
 """Growth of all samples from which on a new round pays, since it throws the last one away."""
 
@@ -307,6 +311,27 @@ def _price(
     readings = options.replicates * held.price(times, np.where(remedy.deep, DEEP, held.lookup))
     per_element = (1.0 - RAYS_PRICE + RAYS_PRICE * remedy.rays) * ELEMENT_PATHS
     return readings + (per_element * remedy.elements * (held.elements or options.elements) if renewed else 0.0)
+
+
+def finer_elements(found: Accuracies, accuracy: float, options: Options, elements: int) -> tuple[Options, float] | None:
+    """More elements for all readings, and their growth; None unless the mesh is in the way and more come of asking.
+
+    For modes that can't read single points again.
+
+    Parameters
+    ----------
+    elements : int
+        As many as their size gives, without what small patches add.
+    """
+    worst = float(found.mesh[found.total > accuracy].max(initial=0.0)) / accuracy
+    by_size = options.element_size is not None
+    most = MOST_ELEMENTS / max(elements, 1) if by_size or options.elements <= SATURATED * elements else 1.0
+    growth = min((worst / MESH_SHARE) ** (2.0 / MESH_ORDER), MOST_FINER, most)
+    if worst <= FIXED_SHARE or growth <= 1.0:
+        return None
+    if by_size:
+        return grown(options, elements=growth), growth
+    return replace(options, elements=round(growth * elements)), growth
 
 
 def grown(options: Options, *, elements: float = 1.0, rays: float = 1.0, samples: float = 1.0) -> Options:

@@ -6,10 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
+from hradiosity.estimate import MESH
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
-from hradiosity.radiosity.classic_surfaces import ClassicLight, ClassicSurfaces
+from hradiosity.radiosity.classic_light import ClassicLight
+from hradiosity.radiosity.classic_surfaces import ClassicSurfaces
 from hradiosity.radiosity.round import KEPT_BYTES, TOO_FEW
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.solver import RadiositySolver
@@ -98,6 +100,16 @@ class ClassicSolver(RadiositySolver):
         found = moments.readings(self._prepare().shared_errors(), illuminance_only=True)["map"].numbers["illuminance"]
         return ReflectedLux(found.value, found.standard_error, found.half_width)
 
+    def _begin(self, size: Options) -> None:
+        """Start anew with replicates of another size."""
+        self._lights = []
+        super()._begin(size)
+
+    def _elements_by_size(self) -> int:
+        """Patches of the wanted edge that the lit surfaces hold, without what small ones add."""
+        surfaces = self._prepare()
+        return max(1, round(float(surfaces.elements.area.sum()) / surfaces.plan.element_size**2))
+
     def _replicate(self, surfaces: SurfaceSolver) -> None:
         """One independent estimate of everything, added to the running moments."""
         if not isinstance(surfaces, ClassicSurfaces):
@@ -107,8 +119,7 @@ class ClassicSolver(RadiositySolver):
         with self.record.timed("readings"):
             self._gather(self._reader.moments, light)
         surfaces.count_hemicubes(light.hemicube)
-        size = light.reflected.nbytes + light.emitted.nbytes
-        if len(self._lights) < 2 or (len(self._lights) + 1) * size <= KEPT_BYTES:
+        if len(self._lights) < 2 or (len(self._lights) + 1) * light.nbytes <= KEPT_BYTES:
             self._lights.append(light)
 
     def _gather(self, moments: ReadingMoments, light: ClassicLight, *, direct: bool = True) -> None:
@@ -117,7 +128,7 @@ class ClassicSolver(RadiositySolver):
         irradiance = np.zeros((len(position), self.plan.columns.n_columns))
         if direct:
             irradiance += self._direct(position, normal, light.seed)
-        lost = np.zeros(len(position))
+        lost, change = np.zeros(len(position)), np.zeros_like(irradiance)
         exitance = light.reflected + light.emitted if self._lamps_in_view and direct else light.reflected
         rng = np.random.Generator(np.random.Philox(key=light.seed ^ 0x5BD1E995))
         angle = rng.random(len(position)) * 2.0 * np.pi
@@ -126,8 +137,10 @@ class ClassicSolver(RadiositySolver):
             part = slice(first, first + READING_BATCH)
             views = light.hemicube.views(position[part], normal[part], angle[part])
             irradiance[part] += views.factor @ exitance + views.sky[:, None] * sky
+            change[part] = views.factor @ light.change
             lost[part] = views.covered + views.unlit
-        moments.add(ReplicateReadings(self.plan.columns.to_bands(irradiance), lost))
+        to_bands = self.plan.columns.to_bands
+        moments.add(ReplicateReadings(to_bands(irradiance), lost, to_bands(change), MESH))
 
     def _direct(self, position: NDArray[np.float64], normal: NDArray[np.float64], seed: int) -> NDArray[np.float64]:
         """(n, n_columns) irradiance straight from the lamps; from point sources alone if area lamps are in view."""

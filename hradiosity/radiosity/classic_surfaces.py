@@ -7,7 +7,8 @@ element costs no further hemicube. Then patches shoot what they reflect (Cohen, 
 from __future__ import annotations
 
 import time
-from dataclasses import dataclass, replace
+from collections.abc import Iterator
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -17,11 +18,15 @@ from hradiosity.metrics.photometric import luminous_weights
 from hradiosity.model.geometry import NONE
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning_classic import ClassicSizes, classic_plan
+from hradiosity.radiosity.classic_companion import ClassicCompanion, means
+from hradiosity.radiosity.classic_lamps import cut_lamps, side_exitance
+from hradiosity.radiosity.classic_light import ClassicLight
 from hradiosity.radiosity.iteration import SINGLE_PRECISION
 from hradiosity.radiosity.shooting import KEPT_BYTES, ShootingPoints, ShootingRows, over_area, shooting_points
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.solvers.result import Convergence, Progress
 from hradiosity.solvers.southwell import ShootingState, ShootingSystem, shoot, shooting_weights
+from hradiosity.space.companion import coarser_rows
 from hradiosity.space.hierarchy import COVERED, Elements
 from hradiosity.space.lit_sides import LitSides
 from hradiosity.space.substructure import SPLITS, Substructure, cut_substructure
@@ -30,8 +35,6 @@ from hradiosity.transport.direct import direct_at_points, direct_on_rows
 from hradiosity.transport.exchange import Defects, RowHits
 from hradiosity.transport.form_factor.hemicube import Hemicube
 
-LAMP_POINTS: Final = 512
-"""Lamps are cut into the smaller cells of their patches as long as there are no more than this many."""
 CONTRAST: Final = 0.2
 """Difference of illuminance between the parts of an element, over the mean of its own and the scene's, above which
 it is split."""
@@ -40,38 +43,6 @@ SHOTS_A_PATCH: Final = 400
 SHOT_SHARE: Final = 16
 LEAST_BATCH: Final = 16
 """One in `SHOT_SHARE` patches shoots at a time, and at least `LEAST_BATCH`, which saves launches."""
-
-
-@dataclass(frozen=True)
-class ClassicLight:
-    """The light of one replicate, as hemicubes at readings gather it.
-
-    hemicube : draws the row elements
-    reflected : (n_rows, n_columns) float64, ρE
-    emitted : (n_rows, n_columns) float64, exitance of lamps
-    seed : of the replicate
-    """
-
-    hemicube: Hemicube
-    reflected: NDArray[np.float64]
-    emitted: NDArray[np.float64]
-    seed: int
-
-
-@dataclass(frozen=True)
-class _Lamps:
-    """Cells of one grid that shine.
-
-    grid : the grid's elements
-    cell : (n,) int64, cells of that grid
-    finest : (n,) int64, a finest cell of each
-    exitance : (n, n_columns) float64
-    """
-
-    grid: Elements
-    cell: NDArray[np.int64]
-    finest: NDArray[np.int64]
-    exitance: NDArray[np.float64]
 
 
 class ClassicSurfaces(SurfaceSolver):
@@ -87,7 +58,7 @@ class ClassicSurfaces(SurfaceSolver):
         rng = np.random.Generator(np.random.Philox(key=seed))
         area = self.elements.area * exposed
         with self.record.timed("lamps"):
-            direct = self._lamp_light(self.hemicube, self.elements.cell_row, area, exposed, rng)
+            direct = self._from_lamps(self.hemicube, self.elements.cell_row, area, exposed, rng)
             direct += self._point_light(hits, seed)
         n_patches = len(self._structure.levels[0])
         patch_area = np.bincount(self._row_patch, weights=area, minlength=n_patches).astype(np.float64)
@@ -98,15 +69,21 @@ class ClassicSurfaces(SurfaceSolver):
                 rows(np.arange(n_patches))
                 direct += rows.sky[self._row_patch][:, None] * self.light.sky[: self.plan.columns.n_columns]
         with self.record.timed("shooting"):
-            shot = self._shoot(rows, area, direct)
-            irradiance = direct + over_area(rows.arriving(shot), area)
+            system = self._system(rows, area, direct)
+            shot = self._shoot(system, direct)
+        with self.record.timed("companion"):
+            sent = np.concatenate([shot, self._coarse_shot(system, rows)], axis=1)
+        with self.record.timed("shooting"):
+            fine, coarse = np.split(over_area(rows.arriving(sent), area), 2, axis=1)
+            irradiance = direct + fine
         self._note(irradiance, direct, exposed, rows)
-        n = self.plan.columns.n_columns
+        reflectance = self.light.reflectance[self.elements.row_material, : self.plan.columns.n_columns]
         return ClassicLight(
             hemicube=self.hemicube,
-            reflected=self.light.reflectance[self.elements.row_material, :n] * irradiance,
+            reflected=reflectance * irradiance,
             emitted=self._emitted(),
             seed=seed,
+            change=reflectance * self._companion.change(irradiance, direct + coarse, area),
         )
 
     def shared_errors(self) -> dict[str, float]:
@@ -145,11 +122,24 @@ class ClassicSurfaces(SurfaceSolver):
         patches, size = self.scene.patches, self.plan.element_size
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
         self._structure: Substructure = cut_substructure(patches, lit.space, two_sided, size)
-        self._lamps = self._cut_lamps()
+        self._side_exitance = side_exitance(self.scene, self.light.emission[:, : self.plan.columns.n_columns])
+        self._lamps = cut_lamps(self._structure, self._side_exitance)
         self._points_alone = self._without_area_lamps()
         elements, self._row_patch = self._structure.rows(patches, self._splits())
+        self._companion = self._coarser_patches(elements, lit)
         self.hemicube = Hemicube(self.on_device, patches, elements, self.options.hemicube_resolution)
         return elements
+
+    def _coarser_patches(self, elements: Elements, lit: LitSides) -> ClassicCompanion:
+        """The patches and elements of twice the size."""
+
+        def parents(fine: Elements) -> NDArray[np.int64]:
+            if not len(fine):
+                return np.zeros(0, np.int64)
+            space = lit.space.ravel()[fine.cell_side[fine.row_cell[fine.row_start[:-1]]]]
+            return coarser_rows(self.scene.patches, fine, space, self.light.glow.paint, self.plan.element_size)
+
+        return ClassicCompanion(parents(self._structure.levels[0]), parents(elements))
 
     def _splits(self) -> list[NDArray[np.bool_]]:
         """Which cells of each level but the last to split."""
@@ -158,7 +148,7 @@ class ClassicSurfaces(SurfaceSolver):
         hemicube = Hemicube(self.on_device, self.scene.patches, finest, self.options.hemicube_resolution)
         rng = np.random.Generator(np.random.Philox(key=self.options.seed))
         everything = np.ones(len(finest))
-        light = self._lamp_light(hemicube, np.arange(len(finest)), finest.area, everything, rng)
+        light = self._from_lamps(hemicube, np.arange(len(finest)), finest.area, everything, rng)
         if self._points_alone is not None:
             places = self._points(SPLITS, np.arange(len(finest)), rng)
             light += self._from_points(direct_at_points(self._points_alone, places.position, places.normal, 1, 0))
@@ -177,34 +167,10 @@ class ClassicSurfaces(SurfaceSolver):
         )
         return luminous
 
-    def _cut_lamps(self) -> _Lamps:
-        """The cells of the finest grid on which the lamps have at most `LAMP_POINTS` cells, or of the coarsest."""
-        table = self._side_exitance()
-        shines = np.asarray(table.any(axis=1), bool)
-        for level in range(SPLITS, -1, -1):
-            grid = self._structure.levels[level]
-            cell = np.flatnonzero(shines[grid.cell_side])
-            if len(cell) <= LAMP_POINTS or level == 0:
-                break
-        finest = np.zeros(len(grid), np.int64)
-        finest[self._structure.ancestor[level]] = np.arange(len(self._structure.finest))
-        return _Lamps(grid, cell, finest[cell], table[grid.cell_side[cell]])
-
-    def _side_exitance(self) -> NDArray[np.float64]:
-        """(2 n_patches, n_columns) exitance of every side."""
-        lamps = self.scene.emitters
-        table = np.zeros((2 * len(self.scene.patches), self.plan.columns.n_columns))
-        flat = np.flatnonzero(lamps.patch != NONE)
-        exitance = self.light.emission[flat, : self.plan.columns.n_columns].astype(np.float64)
-        np.add.at(table, 2 * lamps.patch[flat], exitance)
-        both = np.array([lamp.two_sided for lamp in self.scene.luminaires], bool)[lamps.luminaire[flat]]
-        np.add.at(table, 2 * lamps.patch[flat[both]] + 1, exitance[both])
-        return table
-
     def _emitted(self) -> NDArray[np.float64]:
         """(n_rows, n_columns) exitance of the lamps; all cells of a row lie on one side."""
         first = self.elements.row_cell[self.elements.row_start[:-1]]
-        return self._side_exitance()[self.elements.cell_side[first]]
+        return self._side_exitance[self.elements.cell_side[first]]
 
     def _without_area_lamps(self) -> DeviceScene | None:
         """The scene with its point sources alone, which hemicubes do not show; None without any."""
@@ -221,7 +187,7 @@ class ClassicSurfaces(SurfaceSolver):
     def _points(self, level: int, cells: NDArray[np.int64], rng: np.random.Generator) -> ShootingPoints:
         return shooting_points(self._bvh, self.scene.patches, self._structure.levels[level], cells, rng)
 
-    def _lamp_light(
+    def _from_lamps(
         self,
         hemicube: Hemicube,
         item_of_finest: NDArray[np.integer],
@@ -232,10 +198,7 @@ class ClassicSurfaces(SurfaceSolver):
         """(n_items, n_columns) irradiance of items with an exposed `area` by all area lamps."""
         lamps = self._lamps
         points = shooting_points(self._bvh, self.scene.patches, lamps.grid, lamps.cell, rng)
-        shining = lamps.grid.area[lamps.cell] * exposed[item_of_finest[lamps.finest]] * points.exposed
-        rows = ShootingRows(hemicube, points, shining, np.arange(len(area)))
-        power = rows.arriving(lamps.exitance)
-        return over_area(power, area)
+        return lamps.light(hemicube, points, exposed[item_of_finest[lamps.finest]], area)
 
     def _point_light(self, hits: RowHits, seed: int) -> NDArray[np.float64]:
         """(n_rows, n_columns) irradiance by point sources."""
@@ -251,25 +214,30 @@ class ClassicSurfaces(SurfaceSolver):
         light: NDArray[np.float64] = np.einsum("re,ec->rc", factor.astype(np.float64), emission.astype(np.float64))
         return light
 
-    def _shoot(self, rows: ShootingRows, area: NDArray[np.float64], direct: NDArray[np.float64]) -> NDArray[np.float64]:
-        """(n_patches, n_columns) exitance that every patch has shot when little is left."""
+    def _system(self, rows: ShootingRows, area: NDArray[np.float64], direct: NDArray[np.float64]) -> ShootingSystem:
+        """The patches, with the direct light of their elements."""
         patches = self._structure.levels[0]
         n_patches = len(patches)
         patch_area = np.bincount(self._row_patch, weights=area, minlength=n_patches).astype(np.float64)
-        pooled = np.zeros((n_patches, direct.shape[1]))
-        np.add.at(pooled, self._row_patch, area[:, None] * direct)
-        system = ShootingSystem(
+        return ShootingSystem(
             area=patch_area,
             reflectance=self.light.reflectance[patches.row_material, : direct.shape[1]].astype(np.float64),
-            direct=over_area(pooled, patch_area),
+            direct=means(self._row_patch, area, direct, n_patches),
             rows=rows,
         )
+
+    def _shots(self, system: ShootingSystem) -> Iterator[ShootingState]:
+        """Shoot until little is left."""
+        n_patches = len(system.area)
         weight = shooting_weights(self.plan.columns.expansion, luminous_weights(self.scene.bands))
         batch = max(LEAST_BATCH, n_patches // SHOT_SHARE)
+        most = SHOTS_A_PATCH * n_patches
+        return shoot(system, weight, tolerance=self.options.tolerance, batch=batch, max_shots=most)
+
+    def _shoot(self, system: ShootingSystem, direct: NDArray[np.float64]) -> NDArray[np.float64]:
+        """(n_patches, n_columns) exitance that every patch has shot when little is left."""
         history, cpu = [], time.process_time()
-        for state in shoot(
-            system, weight, tolerance=self.options.tolerance, batch=batch, max_shots=SHOTS_A_PATCH * n_patches
-        ):
+        for state in self._shots(system):
             history.append(state.residual)
             if self.watch is not None:
                 self._show(self._progress(state, system.direct, direct))
@@ -277,13 +245,19 @@ class ClassicSurfaces(SurfaceSolver):
             Convergence(
                 tuple(history),
                 history[-1] <= self.options.tolerance,
-                products=state.shots / max(n_patches, 1),
+                products=state.shots / max(len(system.area), 1),
                 solved_columns=direct.shape[1],
                 solver="southwell",
                 seconds=time.process_time() - cpu,
             )
         )
         return state.shot
+
+    def _coarse_shot(self, system: ShootingSystem, rows: ShootingRows) -> NDArray[np.float64]:
+        """(n_patches, n_columns) exitance that the patch of twice the size has shot that each is a part of."""
+        for state in self._shots(self._companion.system(system, rows)):
+            shot = state.shot
+        return np.asarray(shot[self._companion.patch])
 
     def _progress(self, state: ShootingState, pooled: NDArray[np.float64], direct: NDArray[np.float64]) -> Progress:
         """Where shooting stands: on each element its own direct light, and what its patch received from shots."""

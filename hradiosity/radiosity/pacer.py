@@ -9,12 +9,14 @@ import numpy as np
 from hradiosity.options import Options
 from hradiosity.radiosity.accuracies import Accuracies
 from hradiosity.radiosity.budget import (
+    FINER_POWER,
     FIRST_STEPS,
     MOST_REPLICATES,
     WORTH_A_ROUND,
     Held,
     Pace,
     Step,
+    finer_elements,
     goes_needed,
     growth_to_fill,
     next_step,
@@ -132,7 +134,33 @@ class Pacer:
             return done if self.limit is None else done + 1
         if self.steps or found is None or bool((found.total <= self.asked.accuracy).all()):
             return done
-        return max(done + 1, replicates_needed(found, self.asked.accuracy, done) or 0)
+        needed = replicates_needed(found, self.asked.accuracy, done)
+        if needed is None:
+            return max(done, self._least_known)
+        return max(done + 1, needed)
+
+    @property
+    def _least_known(self) -> int:
+        """Replicates that tell what is in the way of an accuracy."""
+        return max(self.asked.replicates, FORESEEING_REPLICATES)
+
+    def finer(self, found: Accuracies | None, done: int, held: Held, elapsed: float) -> Options | None:
+        """Replicates on smaller elements where points can't be read again and the mesh is in the way of an accuracy.
+
+        None as well where there is no time for them.
+        """
+        if self.steps or found is None or self.asked.accuracy is None or done < self._least_known:
+            return None
+        following = finer_elements(found, self.asked.accuracy, self.size, held.elements)
+        if following is None:
+            return None
+        options, growth = following
+        late = self.limit is not None and elapsed + self._seconds_finer(growth) > self.limit
+        return None if late else options
+
+    def _seconds_finer(self, growth: float) -> float:
+        """Expected wall seconds of replicates with so many times the elements."""
+        return float(self.asked.replicates * growth**FINER_POWER * self._each())
 
     def filling(self, done: int, elapsed: float) -> Options | None:
         """Larger replicates that fill the time of a run without an accuracy, where they are worth it."""
@@ -190,6 +218,9 @@ class Pacer:
             left = (self.wanted(expected, max(done, least), elapsed) - done) * each
             if self.steps:
                 left += self._to_accuracy(expected, self.asked.accuracy, held)
+            else:
+                following = finer_elements(expected, self.asked.accuracy, self.size, held.elements)
+                left += 0.0 if following is None else self._seconds_finer(following[1])
         return self._within_limit(left, elapsed)
 
     def remaining_of_steps(self, number: int, elapsed: float) -> float:

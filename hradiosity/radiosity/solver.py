@@ -136,17 +136,30 @@ class RadiositySolver:
             price = held.price(np.ones_like(held.times), held.lookup)
             self._pacer.replicated(self._elapsed(), self.record.seconds["readings"], price)
             yield self._state("replicate")
-            larger = self._pacer.filling(self._reader.count, self._elapsed())
-            if larger is not None:
-                self._pacer.begin(larger, self._elapsed(), self._account(readings_kept=0))
-                self._begin(larger)
-                self._pacer.prepared(self._elapsed())
+            if self._starts_anew():
                 yield self._state("larger replicates")
+
+    def _starts_anew(self) -> bool:
+        """Whether the replicates so far were given up for larger ones, or for ones on smaller elements."""
+        larger = self._pacer.filling(self._reader.count, self._elapsed())
+        if larger is None and not self.reads_again:
+            held = self._reader.held(self._found(), self._elements_by_size())
+            larger = self._pacer.finer(self._found(), self._reader.count, held, self._elapsed())
+        if larger is None:
+            return False
+        self._pacer.begin(larger, self._elapsed(), self._account(readings_kept=0))
+        self._begin(larger)
+        self._pacer.prepared(self._elapsed())
+        return True
+
+    def _elements_by_size(self) -> int:
+        """Elements that an accuracy may call for more of."""
+        return len(self._prepare().elements)
 
     def _takes_step(self) -> bool:
         """Whether there is something to do for readings that are not accurate enough; then the run is in that step."""
         found = self._found()
-        held = self._reader.held(found, len(self._prepare().elements))
+        held = self._reader.held(found, self._elements_by_size())
         self._reader.learn(held)
         step = self._pacer.next_step(found, self._reader.count, held, self._elapsed())
         if step is None or (step.larger and not self._renew(step)):
@@ -443,7 +456,7 @@ class RadiositySolver:
         """Expected seconds to the end; None while nothing is known."""
         if self._step is not None:
             return self._pacer.remaining_of_steps(self._number, self._elapsed())
-        held = self._reader.held(found, len(self._prepare().elements))
+        held = self._reader.held(found, self._elements_by_size())
         return self._pacer.remaining(found, self._reader.count, held, self._elapsed())
 
     def _interval_parts(self) -> list[str]:
