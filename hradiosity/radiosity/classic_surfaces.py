@@ -121,7 +121,7 @@ class ClassicSurfaces(SurfaceSolver):
         """Patches, split where the light of the lamps changes quickly; draws a first round of their hemicubes."""
         patches, size = self.scene.patches, self.plan.element_size
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
-        self._structure: Substructure = cut_substructure(patches, lit.space, two_sided, size)
+        self._structure: Substructure = cut_substructure(patches, lit.space, two_sided, size, lit.slots)
         self._side_exitance = side_exitance(self.scene, self.light.emission[:, : self.plan.columns.n_columns])
         self._lamps = cut_lamps(self._structure, self._side_exitance)
         self._points_alone = self._without_area_lamps()

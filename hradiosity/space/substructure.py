@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from hradiosity.model.geometry import Patches
 from hradiosity.space.cell_lookup import cell_frames, locate_cells
 from hradiosity.space.hierarchy import Elements, cut_sides, grid_divisions, join_cells, side_materials
+from hradiosity.space.slots import with_slots
 
 SPLITS: Final = 2
 """Times that a patch may be halved along both edges."""
@@ -84,7 +85,11 @@ class Substructure:
 
 
 def cut_substructure(
-    patches: Patches, space: NDArray[np.int32], two_sided: NDArray[np.bool_], size: float
+    patches: Patches,
+    space: NDArray[np.int32],
+    two_sided: NDArray[np.bool_],
+    size: float,
+    slots: NDArray[np.int64] | None = None,
 ) -> Substructure:
     """Cut the lit sides into patches of about `size` and the finer cells below them.
 
@@ -96,8 +101,12 @@ def cut_substructure(
     two_sided : (n_materials,) bool
     size : float
         Wanted edge of a patch [m].
+    slots : (n_patches, 2) int64, optional
+        Cells that walls of slots should have along both edges, see `hradiosity.space.slots`.
     """
     coarse = grid_divisions(patches, size)
+    if slots is not None and slots.any():
+        coarse = with_slots(patches, (space >= 0).sum(axis=1), coarse, slots)
     long_u, long_v = (np.linalg.norm(edge, axis=1) for edge in (patches.edge_u, patches.edge_v))
     longest = np.maximum(long_u, long_v)
     lengths = np.where(patches.is_triangle[:, None], longest[:, None], np.column_stack([long_u, long_v]))

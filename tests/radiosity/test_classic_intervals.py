@@ -105,6 +105,7 @@ def test_elements_become_smaller_where_they_are_in_the_way_of_an_accuracy(accura
     """Patches of 1 m leave 5.5 % to the mesh at the far end of the room, which replicates do not narrow."""
     given_up = accurate.solution().record["rounds_given_up"]
     assert accurate.accuracy_reached
+    assert MESH in accurate.solution().record["interval_parts"]
     assert [found["replicates"] for found in given_up] == [8]
     assert given_up[0]["error"] > 0.02
     assert accurate.solution().plan.element_size <= 0.5

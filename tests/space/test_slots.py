@@ -16,6 +16,7 @@ from hradiosity.space.contact_cuts import cut_at_contacts
 from hradiosity.space.hierarchy import build_elements
 from hradiosity.space.lit_sides import find_lit_sides
 from hradiosity.space.slots import EXTRA_ANYWAY, EXTRA_SHARE, MOST_CELLS, with_slots
+from hradiosity.space.substructure import cut_substructure
 
 SCENES = Path(__file__).parents[2] / "scenes"
 
@@ -107,6 +108,20 @@ def test_slots_add_no_more_than_their_share(n, cut, triangles):
     assert (raised[:, 0] == (MOST_CELLS if cut else 2)).all()
     cells = raised.prod(axis=1)
     assert cells.sum() <= 4 * n + max(EXTRA_SHARE * 4 * n, EXTRA_ANYWAY)
+
+
+def test_patches_that_shoot_are_cut_where_light_goes_through(device):
+    """Of the slot's walls, four widths deep, every patch is at most a width long; all others stay as they are."""
+    room, walls = two_rooms(0.1, 0.4)
+    scene = room.scene()
+    lit = find_lit_sides(scene, build_bvh(device, scene.patches))
+    two_sided = np.array([m.two_sided for m in scene.materials])
+    coarse, cut = (
+        cut_substructure(scene.patches, lit.space, two_sided, 0.5, slots).levels[0].divisions
+        for slots in (None, lit.slots)
+    )
+    assert (np.flatnonzero((coarse != cut).any(axis=1)) == sorted(walls)).all()
+    assert (0.4 / cut[list(walls)].max(axis=1) <= 0.1).all()
 
 
 @pytest.mark.parametrize("name", ["cornell_box", "mesh_room", "office", "open_plan", "two_rooms"])
