@@ -13,7 +13,7 @@ from hradiosity.model.scene import Scene
 from hradiosity.model.variants import stacked_emission, stacked_reflectance, stacked_sky
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, Effect, Plan, SightShare, SpectralColumns
-from hradiosity.planning_memory import element_bytes, path_bytes
+from hradiosity.planning_memory import element_bytes, kept_bytes, path_bytes
 from hradiosity.planning_seconds import shadow_seconds, with_seconds
 from hradiosity.space.convexity import is_convex
 from hradiosity.space.hierarchy import Elements
@@ -193,7 +193,7 @@ def _elements_of(area: float, size: float) -> int:
 def sized(plan: Plan, n_elements: int, calibration: Calibration | None = None) -> Plan:
     """The plan for another number of elements than it was made for, memory and seconds included."""
     changed = replace(plan, n_elements=n_elements)
-    changed = replace(changed, memory_bytes=element_bytes(changed) + path_bytes(changed))
+    changed = replace(changed, memory_bytes=element_bytes(changed) + path_bytes(changed) + kept_bytes(changed))
     return changed if calibration is None else with_seconds(changed, calibration)
 
 

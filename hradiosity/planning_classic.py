@@ -8,6 +8,7 @@ from typing import Final
 import numpy as np
 
 from hradiosity.plan import ClassicCalibration, Plan
+from hradiosity.planning_memory import kept_light_bytes
 
 PIXELS_A_PATCH: Final = 64
 """Projecting a patch on the five faces costs about as much as drawing so many pixels."""
@@ -83,9 +84,10 @@ def products(shots: int, hemicubes: int, shooters: int, n_columns: int) -> int:
 
 def _memory(plan: Plan, sizes: ClassicSizes, view: float) -> int:
     """Bytes: item and depth buffers and their sums, kept views with their rows by patch and by patches of twice the
-    size, columns of both shootings.
+    size, columns of both shootings, and the light that replicates leave for further points.
     """
     buffers = sizes.batch * (24 * sizes.resolution**2 + 4 * sizes.elements)
     views = min(sizes.kept_bytes, int(sizes.shooters * view)) + int((8 + COARSER) * VISIBLE_SHARE * sizes.shooters**2)
     columns = 8 * plan.columns.n_columns * (12 * sizes.shooters + 14 * sizes.elements)
-    return buffers + views + columns
+    light = kept_light_bytes(3 * 8 * plan.columns.n_columns * sizes.elements, plan.replicates)
+    return buffers + views + columns + light

@@ -22,6 +22,11 @@ GROUP_BYTES: Final = 1024
 """Of an element and a group of eight columns: solver, moments and what results are made of, as measured."""
 PATH_BYTES: Final = 48
 """Of a path from a reading; 41 were measured."""
+KEPT_LIGHT_BYTES: Final = 768 * 2**20
+"""Light of earlier replicates that is kept on the device for reading points again, and further ones; that of the first
+two always is."""
+KEPT_SAMPLE_BYTES: Final = 512 * 2**20
+"""Samples of all replicates, for points that are read again; where there are more, none are kept."""
 
 
 def element_bytes(plan: Plan) -> int:
@@ -33,6 +38,19 @@ def element_bytes(plan: Plan) -> int:
 def path_bytes(plan: Plan) -> int:
     """Bytes of the paths from all readings."""
     return PATH_BYTES * plan.n_readings * plan.gather_samples
+
+
+def kept_bytes(plan: Plan) -> int:
+    """Bytes of what replicates leave for later: their light on the elements and their samples of the readings."""
+    columns = plan.columns
+    light = plan.n_elements * (4 + 2 * 4 * plan.n_emitters + 2 * 4 * 8 * columns.n_groups)
+    samples = 2 * 8 * plan.n_readings * columns.n_columns
+    return kept_light_bytes(light, plan.replicates) + min(plan.replicates * samples, KEPT_SAMPLE_BYTES)
+
+
+def kept_light_bytes(each: int, replicates: int) -> int:
+    """Bytes of light that is kept, of replicates that have so many `each`."""
+    return max(min(replicates, KEPT_LIGHT_BYTES // max(each, 1)), min(replicates, 2)) * each
 
 
 def check_fits(plan: Plan, device: Device) -> None:

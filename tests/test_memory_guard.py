@@ -10,7 +10,7 @@ from hradiosity import planning_memory
 from hradiosity.device.host_memory import available_host_bytes
 from hradiosity.errors import SceneError
 from hradiosity.options import Options
-from hradiosity.planning_memory import check_memory, element_bytes, path_bytes
+from hradiosity.planning_memory import check_memory, element_bytes, kept_bytes, path_bytes
 from hradiosity.radiosity import make_solver, solve
 
 GIB = 2**30
@@ -95,6 +95,53 @@ def test_what_fits_exactly_runs_and_the_unknown_is_not_feared(device):
     check_memory(plan, None, None)
     with pytest.raises(SceneError, match="this machine has free"):
         check_memory(plan, None, plan.memory_bytes - 1)
+
+
+def solved(options, device, n_points=32):
+    solver = make_solver(room(n_points), options, device)
+    for _ in solver.states():
+        pass
+    return solver
+
+
+@pytest.mark.parametrize("room_for", [8, 3, 0])
+def test_light_that_is_kept_is_counted(device, monkeypatch, room_for):
+    """Against the arrays that a run holds at its end; that of two replicates is always kept. Every fourth replicate has
+    no companion, and keeps less than it may."""
+    options = replace(SMALL, replicates=8, elements=200)
+    plan = replace(plan_of(room(32), options, device), n_readings=0)
+    each = kept_bytes(replace(plan, replicates=1))
+    for name in ("hradiosity.planning_memory", "hradiosity.radiosity.round"):
+        monkeypatch.setattr(f"{name}.KEPT_LIGHT_BYTES", int(room_for * 1.02 * each))
+    kept = solved(options, device)._round.kept
+    held = sum(on.light.nbytes for on in kept)
+    assert len(kept) == max(room_for, 2)
+    assert 0.75 * kept_bytes(plan) <= held <= kept_bytes(plan)
+
+
+@pytest.mark.parametrize("mode", ["rays", "classic"])
+def test_kept_light_and_samples_are_part_of_the_plan(device, mode):
+    """Twice the replicates of the same rays and paths leave twice as much, and nothing else of the plan grows."""
+    few, many = (
+        Options(
+            mode=mode,
+            elements=200,
+            rays_per_element=16 * count,
+            light_points=count,
+            gather_samples=8 * count,
+            light_samples=8 * count,
+            hemicube_resolution=32,
+            replicates=count,
+        )
+        for count in (4, 8)
+    )
+    more = plan_of(room(32), many, device).memory_bytes - plan_of(room(32), few, device).memory_bytes
+    solver = solved(many, device)
+    if mode == "rays":
+        held = sum(on.light.nbytes for on in solver._round.kept) + sum(some.nbytes for some in solver._reader._gathered)
+    else:
+        held = sum(light.nbytes for light in solver._lights)
+    assert 0.75 * more <= held / 2 <= more
 
 
 def test_the_machine_and_its_container_are_asked(tmp_path):

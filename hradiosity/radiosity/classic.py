@@ -10,9 +10,10 @@ from hradiosity.estimate import MESH
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration
+from hradiosity.planning_memory import KEPT_LIGHT_BYTES
 from hradiosity.radiosity.classic_light import ClassicLight
 from hradiosity.radiosity.classic_surfaces import ClassicSurfaces
-from hradiosity.radiosity.round import KEPT_BYTES, TOO_FEW
+from hradiosity.radiosity.round import TOO_FEW
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.solver import RadiositySolver
 from hradiosity.radiosity.surfaces import SurfaceSolver
@@ -119,7 +120,7 @@ class ClassicSolver(RadiositySolver):
         with self.record.timed("readings"):
             self._gather(self._reader.moments, light)
         surfaces.count_hemicubes(light.hemicube)
-        if len(self._lights) < 2 or (len(self._lights) + 1) * light.nbytes <= KEPT_BYTES:
+        if len(self._lights) < 2 or (len(self._lights) + 1) * light.nbytes <= KEPT_LIGHT_BYTES:
             self._lights.append(light)
 
     def _gather(self, moments: ReadingMoments, light: ClassicLight, *, direct: bool = True) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any, Final
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from hradiosity.model.scene import Scene, Sensor
 from hradiosity.options import Options
 from hradiosity.plan import Plan, SpectralColumns
+from hradiosity.planning_memory import KEPT_SAMPLE_BYTES
 from hradiosity.radiosity.accuracies import Accuracies
 from hradiosity.radiosity.budget import Held, Step
 from hradiosity.readings.differences import VariantMoments, replicate_readings
@@ -28,8 +29,6 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
 NEAR_FACTOR, FIRST_NEAR_FACTOR = 0.5, 3.0
 """The solution is never looked up at a hit nearer than so many sizes of its element; the second is for first hits."""
-KEPT_BYTES: Final = 512 * 2**20
-"""Samples of all replicates, for points that are read again; where there are more, none are kept."""
 _EFFORT_SEED, _READING_SEED, _TWIN_SEED = 0x3C6EF372, 0x5BD1E995, 0x2545F491
 
 
@@ -170,7 +169,7 @@ class PointReader:
         unseen = _unseen(moments, samples, self.effort, on)
         moments.add(replicate_readings(self._columns, samples, unseen))
         gathered = Gathered(samples, np.ones(len(everywhere)), unseen)
-        kept = len(self._gathered) == moments.count - 1 and moments.count * gathered.nbytes <= KEPT_BYTES
+        kept = len(self._gathered) == moments.count - 1 and moments.count * gathered.nbytes <= KEPT_SAMPLE_BYTES
         self._gathered = [*self._gathered, gathered] if kept else []
         if self._options.accuracy is None:
             return self.effort.rays

@@ -7,15 +7,13 @@ from typing import Any, Final
 
 from numpy.typing import NDArray
 
+from hradiosity.planning_memory import KEPT_LIGHT_BYTES
 from hradiosity.radiosity.point_reader import ReplicateLight
 from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.seeds import replicate_seed
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.readings.reflected import MeanLight, mean_light
 
-KEPT_BYTES: Final = 768 * 2**20
-"""Light of earlier replicates that is kept on the device for reading points again, and further ones; that of two
-replicates always is."""
 TOO_FEW: Final = "further points need the light of two replicates or more, computed by this process"
 
 
@@ -56,7 +54,7 @@ class Round:
         seed = replicate_seed(self._seed, number)
         light = surfaces.replicate(seed)
         on = ReplicateLight(surfaces.on_device, surfaces.on_device_elements, light, surfaces.plan, seed)
-        if number == len(self.kept) and (number < 2 or (number + 1) * light.nbytes <= KEPT_BYTES):
+        if number == len(self.kept) and (number < 2 or (number + 1) * light.nbytes <= KEPT_LIGHT_BYTES):
             self.kept.append(on)
         return on
 

@@ -247,7 +247,7 @@ def test_light_that_was_not_kept_is_computed_again(device, monkeypatch):
     scene, options = furnished_room(), replace(SMALL, accuracy=0.02)
     results = []
     for kept in (768 * 2**20, 0):
-        monkeypatch.setattr("hradiosity.radiosity.round.KEPT_BYTES", kept)
+        monkeypatch.setattr("hradiosity.radiosity.round.KEPT_LIGHT_BYTES", kept)
         solver = RadiositySolver(scene, options, device)
         assert "further samples" in [state.stage for state in solver.states()]
         results.append(solver.solution().readings["s0"].irradiance)
@@ -270,7 +270,7 @@ def test_a_run_without_an_accuracy_can_go_on_to_one(device):
 
 
 def test_where_samples_are_not_kept_more_replicates_do(device, monkeypatch):
-    monkeypatch.setattr("hradiosity.radiosity.point_reader.KEPT_BYTES", 0)
+    monkeypatch.setattr("hradiosity.radiosity.point_reader.KEPT_SAMPLE_BYTES", 0)
     solver = RadiositySolver(furnished_room(), replace(SMALL, accuracy=0.02), device)
     assert {state.stage for state in solver.states()} == {"geometry", "replicate"}
     assert solver.accuracy_reached and solver.replicates > 8
