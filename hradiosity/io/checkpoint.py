@@ -21,7 +21,7 @@ from hradiosity.options import Options
 from hradiosity.plan import Plan
 
 MESH_FILE = "solution.vtkhdf"
-_LAYOUT = 4
+_LAYOUT = 5
 """One more whenever a checkpoint keeps something else, so that none of an earlier program is taken up."""
 _PLAN_FIELDS = (
     *("element_size", "rays_per_element", "light_points", "light_samples", "gather_samples"),

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from hradiosity.options import Options
 from hradiosity.radiosity.accuracies import Accuracies
@@ -13,16 +14,17 @@ from hradiosity.radiosity.budget import (
     FIRST_STEPS,
     MOST_REPLICATES,
     WORTH_A_ROUND,
-    Held,
     Pace,
     Step,
     finer_elements,
-    goes_needed,
     growth_to_fill,
     next_step,
     replicates_needed,
     scaled,
+    with_noise_of_elements,
 )
+from hradiosity.radiosity.reading_pace import ReadingPace
+from hradiosity.radiosity.remedy import Held, goes_needed, in_the_way
 
 TOLERANCE_SHARE = 0.1
 """Of a wanted accuracy, what the solver's iteration may leave."""
@@ -62,7 +64,7 @@ class Pacer:
     _ends: list[float] = field(default_factory=list)
     _readings_before: float = 0.0
     _reading_seconds: float = 0.0
-    _seconds_per_price: float = 0.0
+    _reading_pace: ReadingPace = field(default_factory=ReadingPace)
     _foreseen_end: float = 0.0
     _step_seconds: float = 0.0
 
@@ -109,7 +111,7 @@ class Pacer:
         self._readings_before = reading_seconds
         if known:
             self._reading_seconds = spent
-            self._seconds_per_price = spent / price if price > 0.0 else 0.0
+            self._reading_pace.learn(price, spent)
 
     def first_round(self, expected: float | None) -> Options | None:
         """A smaller first round where even that would take longer than there is time, by what the plan expects."""
@@ -168,6 +170,13 @@ class Pacer:
             return None
         growth = growth_to_fill(self._pace(), self.asked.replicates, FILLED * (self.limit - elapsed))
         return scaled(self.size, growth) if growth >= WORTH_A_ROUND else None
+
+    def need_more_than_samples(self, found: Accuracies | None, done: int, held: Held) -> NDArray[np.bool_]:
+        """(n,) readings for which something else than samples has to be done, when all replicates of a round are."""
+        accuracy = self.asked.accuracy
+        if not self.steps or found is None or accuracy is None or done < self.asked.replicates:
+            return np.zeros(len(held.times), np.bool_)
+        return in_the_way(with_noise_of_elements(found, held), accuracy, self.size, held)
 
     def next_step(self, found: Accuracies | None, done: int, held: Held, elapsed: float) -> Step | None:
         """What to do for readings that lack accuracy, when all replicates of a round are done; None for nothing.
@@ -262,7 +271,7 @@ class Pacer:
 
     def _expected(self, step: Step, held: Held) -> float:
         """Wall seconds of a step."""
-        readings = self.asked.replicates * self._seconds_per_price * step.price(held)
+        readings = self.asked.replicates * self._reading_pace.seconds(step.price(held))
         if not step.larger:
             return readings
         before, after = self.size, step.options

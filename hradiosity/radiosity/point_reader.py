@@ -14,13 +14,15 @@ from hradiosity.options import Options
 from hradiosity.plan import Plan, SpectralColumns
 from hradiosity.planning_memory import KEPT_SAMPLE_BYTES
 from hradiosity.radiosity.accuracies import Accuracies
-from hradiosity.radiosity.budget import Held, Step
+from hradiosity.radiosity.budget import Step
+from hradiosity.radiosity.remedy import Held
 from hradiosity.readings.differences import VariantMoments, replicate_readings
 from hradiosity.readings.effort import Effort, plan_effort, stepped
 from hradiosity.readings.gathered import Gathered
 from hradiosity.readings.interval import part_of
+from hradiosity.readings.later_lookups import TRIED_PATHS, TriedLookups, some_of, try_lookups
 from hradiosity.readings.moments import ReadingMoments
-from hradiosity.readings.path_tracing import PathRules
+from hradiosity.readings.path_tracing import PathRules, upload_points
 from hradiosity.readings.sensors import ReadingSamples, read_points
 from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.readings.twins import CommonNoise, proved_variance, twin_points
@@ -29,7 +31,7 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
 NEAR_FACTOR, FIRST_NEAR_FACTOR = 0.5, 3.0
 """The solution is never looked up at a hit nearer than so many sizes of its element; the second is for first hits."""
-_EFFORT_SEED, _READING_SEED, _TWIN_SEED = 0x3C6EF372, 0x5BD1E995, 0x2545F491
+_EFFORT_SEED, _READING_SEED, _TWIN_SEED, _TRIAL_SEED = 0x3C6EF372, 0x5BD1E995, 0x2545F491, 0x1B873593
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,7 @@ class PointReader:
         self._columns: SpectralColumns | None = None
         n = len(self._moments.position)
         self._lookup = np.full(n, options.lookup, np.int64)
+        self._tried = TriedLookups.none(options.lookup, n)
         self._twins = twin_points(n)
         self._pairs = np.zeros((0, 2, len(self._twins)))
         self._again: list[NDArray[np.float64]] = []
@@ -122,7 +125,8 @@ class PointReader:
 
     def proved_noise(self) -> NDArray[np.float64]:
         """(n_readings,) variance of a replicate, over the square of the mean, that surely comes from the elements."""
-        of_points = np.maximum(self._point_noise, self.noise.proved)
+        of_all = self.noise.proved / self._tried.lookups.gain_at(self._lookup) ** 2
+        of_points = np.maximum(self._point_noise, of_all)
         return self._moments.planes.mean(of_points)
 
     def held(self, found: Accuracies | None = None, elements: int = 0) -> Held:
@@ -144,7 +148,28 @@ class PointReader:
         one_go = self._one_go
         if found is not None:
             one_go = np.where(steps == 0, found.own**2 * times, one_go)
-        return Held(paths, times, self._lookup[first], steps, one_go, elements)
+        return Held(paths, times, self._lookup[first], steps, one_go, self._tried.lookups.some(first), elements)
+
+    def try_lookups(self, readings: NDArray[np.bool_], on: ReplicateLight) -> int:
+        """Find out what later lookups would do to some of the readings (n_readings,); returns the number of rays."""
+        planes = self._moments.planes
+        first = (np.cumsum(planes.count) - planes.count)[readings]
+        if self.effort is None:
+            return 0
+        chosen = some_of(first[~self._tried.known[first] & (self.effort.gather[first] > 0)])
+        if not len(chosen):
+            return 0
+        moments, response = self._moments, planes.response
+        points = upload_points(
+            on.scene,
+            moments.position[chosen],
+            moments.normal[chosen],
+            None if response is None else response[chosen],
+        )
+        guides = self.effort.guide.some(chosen)
+        found = try_lookups(on.scene, on.elements, on.light, points, guides, self.rules, on.seed ^ _TRIAL_SEED)
+        self._tried = self._tried.with_more(chosen, found)
+        return int(TRIED_PATHS * len(chosen) * (2 * found.hits - 1).sum())
 
     def learn(self, held: Held) -> None:
         """Remember what samples are worth, as it was found before the first step of each reading."""
@@ -223,7 +248,8 @@ class PointReader:
         if replicate == len(self._gathered) - 1:
             first, second = np.moveaxis(np.stack(self._again), 1, 0)
             same = ~share.anew
-            self._noise = CommonNoise.of(first[:, same], second[:, same]).surer(self._noise)
+            early = same & (share.lookup == self._options.lookup)
+            self._noise = CommonNoise.of(first[:, early], second[:, early]).surer(self._noise)
             self._point_noise[share.chosen] = np.where(same, proved_variance(first, second), 0.0)
             self._again = []
             self._steps[share.chosen] = np.where(same, self._steps[share.chosen] + 1, 0)
@@ -245,6 +271,7 @@ class PointReader:
         }
         if self.effort is not None:
             kept |= {f"effort/{name}": array for name, array in self.effort.arrays.items()}
+        kept |= {f"tried/{name}": array for name, array in self._tried.arrays.items()}
         if self._again:
             kept["again"] = np.stack(self._again)
         for number, some in enumerate(self._gathered):
@@ -266,6 +293,7 @@ class PointReader:
         effort = part_of(kept, "effort")
         self.effort = Effort.of_arrays(effort) if effort else None
         self._lookup, self._pairs = kept["lookup"].astype(np.int64), kept["pairs"]
+        self._tried = TriedLookups.of_arrays(part_of(kept, "tried"))
         self._noise = CommonNoise(*(float(number) for number in kept["noise"]))
         self._point_noise, self._steps = kept["point_noise"].copy(), kept["steps"].astype(np.int64)
         self._one_go = kept["one_go"]

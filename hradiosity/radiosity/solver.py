@@ -159,8 +159,14 @@ class RadiositySolver:
     def _takes_step(self) -> bool:
         """Whether there is something to do for readings that are not accurate enough; then the run is in that step."""
         found = self._found()
-        held = self._reader.held(found, self._elements_by_size())
+        n_elements = self._elements_by_size()
+        held = self._reader.held(found, n_elements)
         self._reader.learn(held)
+        off = self._pacer.need_more_than_samples(found, self._reader.count, held)
+        if off.any():
+            with self._taken_back(), self.record.timed("readings"):
+                self.record.rays += self._reader.try_lookups(off, self._prepared().light(0))
+            held = self._reader.held(found, n_elements)
         step = self._pacer.next_step(found, self._reader.count, held, self._elapsed())
         if step is None or (step.larger and not self._renew(step)):
             return False

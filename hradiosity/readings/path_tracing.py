@@ -7,15 +7,18 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device import Device
 from hradiosity.device.device import DeviceArray
 from hradiosity.readings.guide import DeviceGuides
 from hradiosity.readings.surface_light import SurfaceLight
+from hradiosity.space.hierarchy import NONE
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
 SUMMED_PATHS = 1024
 """Paths that one work-item sums in single precision."""
-LIT_HITS, MOST_LIT_HITS = 2, 32
-"""Hits of a path that may be lit explicitly: of most paths, and of the few that come into corners, contacts, slots."""
+LIT_HITS, LATE_LIT_HITS, MOST_LIT_HITS = 2, 7, 32
+"""Hits of a path that may be lit explicitly: of most paths, of those that look the solution up late, and of the few
+that come into corners, contacts, slots."""
 
 
 @dataclass(frozen=True)
@@ -87,6 +90,13 @@ def upload_points(
     return Points(place, device.upload(normal, np.float32), len(position), weighing)
 
 
+def room_for(lookup: int) -> int:
+    """Hits of a path that may be lit explicitly when it looks the solution up at that hit."""
+    if lookup <= LIT_HITS + 1:
+        return LIT_HITS
+    return LATE_LIT_HITS if lookup <= LATE_LIT_HITS else MOST_LIT_HITS
+
+
 def trace_paths(
     scene: DeviceScene,
     elements: DeviceElements,
@@ -107,7 +117,7 @@ def trace_paths(
     """
     device = scene.device
     number = np.arange(points.n * n_samples, dtype=np.uint32) if only is None else only.astype(np.uint32)
-    lit_hits = LIT_HITS if only is None else MOST_LIT_HITS
+    lit_hits = room_for(rules.lookup) if only is None else MOST_LIT_HITS
     paint, emitter = (device.empty((len(number), lit_hits), np.uint32) for _ in range(2))
     gain = device.empty((len(number), lit_hits), np.float32)
     row = device.empty((len(number),), np.uint32)
@@ -155,6 +165,11 @@ def trace_paths(
     )
     start = np.searchsorted(number, np.arange(points.n + 1, dtype=np.int64) * n_samples).astype(np.uint32)
     return PathSamples(paint, emitter, gain, row, weight, start, lit_hits, n_samples)
+
+
+def lit_hits_of(device: Device, paths: PathSamples) -> NDArray[np.int64]:
+    """(n_paths,) hits that were lit explicitly."""
+    return np.asarray((device.fetch(paths.paint) != NONE).sum(axis=1))
 
 
 def reflected_light(

@@ -11,11 +11,13 @@ from numpy.typing import NDArray
 from hradiosity.readings.effort import Effort
 from hradiosity.readings.guide import DeviceGuides
 from hradiosity.readings.path_tracing import (
+    LIT_HITS,
     PathRules,
     PathSamples,
     Points,
     changed_light,
     reflected_light,
+    room_for,
     trace_paths,
     upload_points,
 )
@@ -25,7 +27,7 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
 
 BATCH_PATHS = 1 << 22
-"""Paths kept on the device at a time."""
+"""Paths kept on the device at a time, fewer of those that look the solution up late."""
 
 
 @dataclass(frozen=True)
@@ -141,6 +143,6 @@ def _batches(effort: Effort) -> Iterator[tuple[NDArray[np.int64], int, int]]:
     kinds = np.column_stack([effort.gather, effort.lookup])
     for count, lookup in np.unique(kinds[effort.gather > 0], axis=0):
         points = np.flatnonzero((effort.gather == count) & (effort.lookup == lookup))
-        size = max(1, BATCH_PATHS // int(count))
+        size = max(1, BATCH_PATHS * LIT_HITS // (room_for(int(lookup)) * int(count)))
         for first in range(0, len(points), size):
             yield points[first : first + size], int(count), int(lookup)
