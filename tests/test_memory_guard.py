@@ -113,7 +113,7 @@ def test_light_that_is_kept_is_counted(device, monkeypatch, room_for):
     each = kept_bytes(replace(plan, replicates=1))
     for name in ("hradiosity.planning_memory", "hradiosity.radiosity.round"):
         monkeypatch.setattr(f"{name}.KEPT_LIGHT_BYTES", int(room_for * 1.02 * each))
-    kept = solved(options, device)._round.kept
+    kept = solved(options, device)._rounds.now.kept
     held = sum(on.light.nbytes for on in kept)
     assert len(kept) == max(room_for, 2)
     assert 0.75 * kept_bytes(plan) <= held <= kept_bytes(plan)
@@ -138,7 +138,8 @@ def test_kept_light_and_samples_are_part_of_the_plan(device, mode):
     more = plan_of(room(32), many, device).memory_bytes - plan_of(room(32), few, device).memory_bytes
     solver = solved(many, device)
     if mode == "rays":
-        held = sum(on.light.nbytes for on in solver._round.kept) + sum(some.nbytes for some in solver._reader._gathered)
+        held = sum(on.light.nbytes for on in solver._rounds.now.kept)
+        held += sum(some.nbytes for some in solver._reader._gathered)
     else:
         held = sum(light.nbytes for light in solver._lights)
     assert 0.75 * more <= held / 2 <= more

@@ -29,7 +29,7 @@ def pack_record(record: Record, **numbers: float) -> NDArray[np.uint8]:
             "hemicube_seconds": record.hemicube_seconds,
             "defects": [asdict(d) for d in record.defects],
             "convergence": [asdict(c) for c in record.convergence],
-            "numbers": numbers,
+            "numbers": {"cpu_seconds": record.cpu_seconds, **numbers},
         }
     )
     return np.frombuffer(text.encode(), np.uint8)
@@ -43,6 +43,7 @@ def unpack_record(packed: NDArray[np.uint8]) -> tuple[Record, Mapping[str, float
         rays=found["rays"],
         hemicubes=found["hemicubes"],
         hemicube_seconds=found["hemicube_seconds"],
+        cpu_seconds=found["numbers"]["cpu_seconds"],
         defects=[Defects(**d) for d in found["defects"]],
         convergence=[_convergence(c) for c in found["convergence"]],
     )

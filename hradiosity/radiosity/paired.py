@@ -38,17 +38,17 @@ class PairedSolver(RadiositySolver):
         device: Device,
         calibration: Calibration | ClassicCalibration | None = None,
     ) -> None:
-        super().__init__(scene, options, device, calibration)
         self.surface_solver = HemicubeSurfaces if options.form_factors == "hemicube" else PairedSurfaces
+        super().__init__(scene, options, device, calibration)
 
     def _prepared(self) -> Round:
         """Plan and elements of this round; made on first use."""
-        is_new = self._round is None
+        is_new = not self._rounds.is_begun
         found = super()._prepared()
         if is_new:
             method = self.options.form_factors
             message = _DRAWN if method in (*RANDOM, "hemicube") else _FIXED
-            self.notes = (*self.notes, Note("info", f"--form-factors {method}", message))
+            self._rounds.notes = (*self.notes, Note("info", f"--form-factors {method}", message))
         return found
 
     def _summary(self) -> dict[str, Any]:

@@ -12,14 +12,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.device import Device
-from hradiosity.errors import DeviceError, SceneError
+from hradiosity.errors import DeviceError
 from hradiosity.model.scene import Note, Scene, Sensor
 from hradiosity.model.variants import check_variants
 from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
-from hradiosity.planning import make_plan
-from hradiosity.planning_memory import check_fits
-from hradiosity.planning_seconds import with_geometry
 from hradiosity.radiosity.accuracies import Accuracies
 from hradiosity.radiosity.budget import Step
 from hradiosity.radiosity.checkpoint import (
@@ -30,11 +27,11 @@ from hradiosity.radiosity.checkpoint import (
     unpack_pace,
     unpack_record,
 )
-from hradiosity.radiosity.geometry import Geometry, find_geometry
 from hradiosity.radiosity.pacer import Pacer
 from hradiosity.radiosity.point_reader import PointReader
 from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.round import TOO_FEW, Round
+from hradiosity.radiosity.rounds import Rounds
 from hradiosity.radiosity.state import State
 from hradiosity.radiosity.surfaces import SurfaceSolver
 from hradiosity.radiosity.watching import LightWatch
@@ -69,29 +66,38 @@ class RadiositySolver:
         device: Device,
         calibration: Calibration | ClassicCalibration | None = None,
     ) -> None:
-        self.scene, self.options, self.device = scene, options, device
+        self.options, self.device = options, device
         self.record = Record()
-        self.cpu_seconds = 0.0
         self.watch: LightWatch | None = None
-        self._calibration = calibration
         self._pacer = Pacer.of(options, steps=self.reads_again)
-        self._geometry: Geometry | None = None
+        self._rounds = Rounds(device, scene, self._pacer.size, self.record, self.surface_solver, calibration)
         self._start = time.perf_counter()
         self._earlier_seconds = 0.0
         check_variants(scene)
         self._reader = PointReader(scene, options)
-        self._round: Round | None = None
-        self._before: Round | None = None
-        self._shared: dict[str, float] = {}
         self._step: Step | None = None
         self._number = 0
         self._accuracies: Accuracies | None = None
-        self.notes: tuple[Note, ...] = scene.notes
+
+    @property
+    def scene(self) -> Scene:
+        """As it is solved, once its geometry is known."""
+        return self._rounds.scene
+
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """Remarks of the scene and of its geometry, and those that came to light while running."""
+        return self._rounds.notes
+
+    @property
+    def cpu_seconds(self) -> float:
+        """From the ray structure to the last reading, kernels and checks left out."""
+        return self.record.cpu_seconds
 
     @property
     def replicates(self) -> int:
         """Number of replicates that there is a solution of."""
-        return self._reader.count if self._shown is not None else 0
+        return self._reader.count if self._rounds.shown is not None else 0
 
     @property
     def plan(self) -> Plan:
@@ -106,7 +112,7 @@ class RadiositySolver:
     @property
     def lit(self) -> LitSides:
         """Sides that light was found to reach before the run; made on first use."""
-        return self._find_geometry().lit
+        return self._rounds.geometry.lit
 
     def states(self) -> Iterator[State]:
         """Run, yielding after each stage; whoever stops asking keeps what is known so far.
@@ -188,8 +194,7 @@ class RadiositySolver:
                     self.record.rays += self._reader.some_points(self._number, share, on, go)
                 self._number += 1
             if step.larger:
-                self._before = None
-                self._shared = {} if step.times.all() else self._shared
+                self._rounds.forget_before(readings_too=bool(step.times.all()))
                 self._pacer.replicated(self._elapsed(), self.record.seconds["readings"], price)
             else:
                 self._pacer.deepened(self.record.seconds["readings"], price)
@@ -210,7 +215,7 @@ class RadiositySolver:
         except (KeyboardInterrupt, DeviceError, MemoryError):
             self._load(before)
             raise
-        self.cpu_seconds += self.device.work_cpu_seconds() - cpu
+        self.record.cpu_seconds += self.device.work_cpu_seconds() - cpu
 
     def ask_for(self, accuracy: float) -> None:
         """Go on to this accuracy when `states` is called again, since an audit found the intervals too narrow."""
@@ -232,10 +237,10 @@ class RadiositySolver:
         RuntimeError
             Before the first replicate.
         """
-        surfaces = self._shown
+        surfaces = self._rounds.shown
         if surfaces is None or self.replicates == 0:
             raise RuntimeError("nothing was solved yet")
-        shared, moments = self._shared_errors(), self._reader.moments
+        shared, moments = self._rounds.shared_errors(), self._reader.moments
         return Solution(
             scene=replace(self.scene, notes=(*self.notes, *surfaces.notes())),
             plan=surfaces.plan,
@@ -260,12 +265,12 @@ class RadiositySolver:
         """
         if not self.keeps_light:
             raise RuntimeError(TOO_FEW)
-        return self._reader.further(sensor, self._prepared().kept).readings(self._shared_errors())[sensor.name]
+        return self._reader.further(sensor, self._prepared().kept).readings(self._rounds.shared_errors())[sensor.name]
 
     @property
     def keeps_light(self) -> bool:
         """Whether there is light to read further points from."""
-        return self._round is not None and len(self._round.kept) >= 2
+        return self._rounds.is_begun and len(self._rounds.now.kept) >= 2
 
     def read_reflected(
         self, position: NDArray[np.float64], normal: NDArray[np.float64], n_paths: int, seed: int
@@ -295,9 +300,9 @@ class RadiositySolver:
         surfaces = self._prepare()
         seconds = self._earlier_seconds + self._elapsed()
         return {
-            "record": pack_record(self.record, cpu_seconds=self.cpu_seconds, wall_seconds=seconds),
+            "record": pack_record(self.record, wall_seconds=seconds),
             "pace": pack_pace(self._pacer.size, self._pacer.rounds, self._pacer.deeper, self._step, self._number),
-            "shared": pack_numbers(self._shared),
+            "shared": pack_numbers(self._rounds.shared),
             **{f"readings/{name}": array for name, array in self._reader.checkpoint().items()},
             **{f"surfaces/{name}": array for name, array in surfaces.checkpoint().items()},
         }
@@ -316,7 +321,7 @@ class RadiositySolver:
         if size != self._pacer.size:
             self._begin(size)
         self._pacer, self._step = Pacer(self.options, size, self.reads_again, rounds, deeper), step
-        self._shared = unpack_numbers(kept["shared"])
+        self._rounds.shared = unpack_numbers(kept["shared"])
         numbers = self._load(kept)
         for stage, seconds in geometry.items():
             self.record.seconds[stage] = self.record.seconds.get(stage, 0.0) + seconds
@@ -327,11 +332,10 @@ class RadiositySolver:
         surfaces = self._prepare()
         self._reader.restore(part_of(kept, "readings"), surfaces.plan.columns)
         self._accuracies = None
-        self._prepared().restore(part_of(kept, "surfaces"))
+        self._rounds.restore(kept)
         *_, self._number = unpack_pace(kept["pace"])
         record, numbers = unpack_record(kept["record"])
         self.record.__dict__.update(record.__dict__)
-        self.cpu_seconds = numbers["cpu_seconds"]
         return numbers
 
     def _prepare(self) -> SurfaceSolver:
@@ -340,65 +344,22 @@ class RadiositySolver:
 
     def _prepared(self) -> Round:
         """The round that goes on; made on first use."""
-        if self._round is None:
-            self._find_geometry()
-            cpu = self.device.work_cpu_seconds()
-            with self.record.timed("geometry"):
-                size = self._pacer.size
-                self._round = Round(lambda record: self._make_surfaces(size, record), self.record, self.options.seed)
-            surfaces = self._round.surfaces
-            surfaces.plan = with_geometry(surfaces.plan, self.record.seconds)
-            self.cpu_seconds += self.device.work_cpu_seconds() - cpu
-        self._round.surfaces.watch = self.watch
-        return self._round
-
-    @property
-    def _shown(self) -> SurfaceSolver | None:
-        """Surfaces that there is light on: those of the last round, until there is some on those of this one."""
-        shown = self._before or self._round
-        return shown.surfaces if shown is not None and shown.count else None
-
-    def _find_geometry(self) -> Geometry:
-        """Ray structure and lit sides, found once; the scene is checked then."""
-        if self._geometry is None:
-            self._geometry = find_geometry(self.device, self.scene, self.options.seed, self.record)
-            self.scene, self.notes = self._geometry.scene, self._geometry.notes
-            self.cpu_seconds += self._geometry.cpu_seconds
-        return self._geometry
-
-    def _make_surfaces(self, size: Options, record: Record) -> SurfaceSolver:
-        """Elements of some size, without light."""
-        geometry = self._find_geometry()
-        plan = make_plan(self.scene, size, geometry.lit)
-        surfaces = self.surface_solver(self.device, self.scene, geometry.bvh, geometry.lit, plan, size, record)
-        surfaces.plan = surfaces.sized_plan(self._calibration)
-        check_fits(surfaces.plan, self.device)
-        return surfaces
+        found = self._rounds.now
+        found.surfaces.watch = self.watch
+        return found
 
     def _begin(self, size: Options) -> None:
         """Start anew with replicates of another size."""
         self._pacer.size = size
         self._reader = PointReader(self.scene, self.options)
-        self._round, self._accuracies = None, None
-        self.record.defects.clear()
-        self.record.convergence.clear()
-        self._prepare()
+        self._accuracies = None
+        self._rounds.begin(size)
 
     def _renew(self, step: Step) -> bool:
         """Other elements, on which the readings that lack accuracy are read anew; False if they don't fit."""
-        size, before = self._pacer.size, self._round
         account = self._account(readings_kept=int((step.times == 0.0).sum()))
-        shared = self._shared_errors()
-        self._pacer.size, self._round = step.options, None
-        try:
-            self._prepare()
-        except SceneError as error:
-            self._pacer.size, self._round = size, before
-            self.notes = (*self.notes, Note("warning", "--accuracy", f"not reached: {error}"))
+        if not self._rounds.renew(step.options):
             return False
-        self._before, self._shared = before, shared
-        self.record.defects.clear()
-        self.record.convergence.clear()
         self._pacer.begin(step.options, self._elapsed(), account)
         self._pacer.prepared(self._elapsed())
         self._reader.forget_noise()
@@ -417,12 +378,6 @@ class RadiositySolver:
         with self.record.timed("readings"):
             self.record.rays += self._reader.all_points(on)
 
-    def _shared_errors(self) -> dict[str, float]:
-        """By part: share of each band that all replicates of the rounds may be off by alike that readings are of."""
-        shown = self._shown
-        now = {} if shown is None or self._before is not None else shown.shared_errors()
-        return {part: max(self._shared.get(part, 0.0), now.get(part, 0.0)) for part in {**self._shared, **now}}
-
     def _wanted(self) -> int:
         """Replicates of this round, as far as is known by now."""
         self._pacer.steps = self.reads_again and self._reader.reads_again
@@ -433,7 +388,7 @@ class RadiositySolver:
         if self._reader.count < 2:
             return None
         if self._accuracies is None:
-            readings = self._reader.moments.readings(self._shared_errors(), illuminance_only=True)
+            readings = self._reader.moments.readings(self._rounds.shared_errors(), illuminance_only=True)
             self._accuracies = Accuracies.of(readings, self._reader.proved_noise(), self._reader.count)
         return self._accuracies
 
@@ -452,7 +407,7 @@ class RadiositySolver:
             seconds=self._elapsed(),
             error=float(errors.max()) if len(errors) else float("inf"),
             median_error=float(np.median(errors)) if len(errors) else float("inf"),
-            elements=0 if self._round is None else len(self._round.surfaces.elements),
+            elements=len(self._rounds.now.surfaces.elements) if self._rounds.is_begun else 0,
             rays=self.record.rays,
             unshot=history[-1],
             remaining=self._remaining(found),
@@ -471,20 +426,16 @@ class RadiositySolver:
         return list(next(iter(readings)).numbers["illuminance"].parts) if readings else []
 
     def _summary(self) -> dict[str, Any]:
+        shown = self._rounds.shown
         return {
             "options": asdict(self.options),
             "device": self.device.description,
             "replicates": self.replicates,
             "rounds_given_up": self._pacer.rounds,
             "further_samples": self._pacer.deeper + sum(r["readings_kept"] > 0 for r in self._pacer.rounds),
-            "stage_seconds": dict(self.record.seconds),
-            "solve_cpu_s": self.cpu_seconds,
+            **self.record.told(),
             "kernel_build_s": self.device.build_time.wall,
             "wall_s": self._earlier_seconds + self._elapsed(),
-            "rays": self.record.rays,
-            "hemicubes": {"drawn": self.record.hemicubes, "seconds": self.record.hemicube_seconds},
-            "elements": 0 if self._shown is None else len(self._shown.elements),
+            "elements": 0 if shown is None else len(shown.elements),
             "interval_parts": self._interval_parts(),
-            "defects_before_closure": [asdict(d) for d in self.record.defects],
-            "solver": [asdict(c) for c in self.record.convergence],
         }

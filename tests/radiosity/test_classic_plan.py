@@ -44,7 +44,7 @@ def test_hemicubes_and_shots_are_foreseen(finished):
 
 def test_measured_speeds_give_back_the_seconds_that_they_were_measured_from(finished, device, monkeypatch):
     """The counts of the plan are off by a few per cent."""
-    monkeypatch.setattr("hradiosity.radiosity.solver.with_geometry", lambda plan, spent: plan)
+    monkeypatch.setattr("hradiosity.radiosity.rounds.with_geometry", lambda plan, spent: plan)
     speeds = measure(finished)
     again = ClassicSolver(room(), classic(), device, speeds).plan
     stages = finished.record["stage_seconds"]
@@ -52,7 +52,7 @@ def test_measured_speeds_give_back_the_seconds_that_they_were_measured_from(fini
 
 
 def test_cost_follows_resolution_patches_and_columns(device, monkeypatch):
-    monkeypatch.setattr("hradiosity.radiosity.solver.with_geometry", lambda plan, spent: plan)
+    monkeypatch.setattr("hradiosity.radiosity.rounds.with_geometry", lambda plan, spent: plan)
     plans = [
         ClassicSolver(room(), classic(**changes), device, SPEEDS).plan
         for changes in ({}, {"hemicube_resolution": 64}, {"replicates": 16}, {"interreflection": False})

@@ -141,7 +141,7 @@ def test_too_many_pairs_are_refused_before_they_are_made(device):
 
 def test_the_plan_tells_pairs_what_fits_and_seconds(device, monkeypatch):
     """A method that takes more rays for a pair takes longer, by just the rays of the pairs."""
-    monkeypatch.setattr("hradiosity.radiosity.solver.with_geometry", lambda plan, spent: plan)
+    monkeypatch.setattr("hradiosity.radiosity.rounds.with_geometry", lambda plan, spent: plan)
     rates = Calibration(1e6, 1e6, 1e6, 1e-6, 1e-7)
     plans = {
         method: make_solver(furnished(), replace(TINY, form_factors=method), device, rates).plan
