@@ -68,9 +68,8 @@ HR_FORCE_INLINE float hr_cos_small(const float x)
     return ((2.443315711809948e-5f * z - 1.388731625493765e-3f) * z + 4.166664568298827e-2f) * z * z - 0.5f * z + 1.0f;
 }
 
-/* Direction about the unit normal n with density cos/pi, from two numbers in [0, 1).
-   Malley's method over the concentric map of the square to the disk (Shirley & Chiu 1997). */
-HR_FORCE_INLINE float3 hr_cosine_direction(const float3 n, const float u, const float v)
+/* Point of the unit disk for a point of the unit square, by the concentric map (Shirley & Chiu 1997). */
+HR_FORCE_INLINE float2 hr_disk_point(const float u, const float v)
 {
     const float a = 2.0f * u - 1.0f;
     const float b = 2.0f * v - 1.0f;
@@ -79,12 +78,17 @@ HR_FORCE_INLINE float3 hr_cosine_direction(const float3 n, const float u, const 
     const float angle = radius == 0.0f ? 0.0f : 0.25f * HR_PI * ((wide ? b : a) / radius);
     const float along = radius * hr_cos_small(angle);
     const float across = radius * hr_sin_small(angle);
+    return (float2)(wide ? along : across, wide ? across : along);
+}
+
+/* Direction about the unit normal n with density cos/pi, from two numbers in [0, 1), by Malley's method. */
+HR_FORCE_INLINE float3 hr_cosine_direction(const float3 n, const float u, const float v)
+{
+    const float2 at = hr_disk_point(u, v);
     float3 tangent, bitangent;
     hr_tangents(n, &tangent, &bitangent);
-    const float x = wide ? along : across;
-    const float y = wide ? across : along;
-    const float z = sqrt(hr_larger(1.0f - x * x - y * y, 1.0e-12f));
-    return x * tangent + y * bitangent + z * n;
+    const float z = sqrt(hr_larger(1.0f - at.x * at.x - at.y * at.y, 1.0e-12f));
+    return at.x * tangent + at.y * bitangent + z * n;
 }
 
 /* First entry of the ascending row of n sums that is greater than x. */

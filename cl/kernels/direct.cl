@@ -79,7 +79,8 @@ __kernel void bound_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_E
    is found hidden if another point found the emitter open, and what it finds open itself if none did: no noise in full
    view, 0 behind a wall, and no bias, since rays near an emitter are drawn independently of those of other points.
    With HR_CHANCE an emitter is tried with a probability of its own, and what it sends counts as many times more; with
-   HR_EACH each row has a number of points of its own for every emitter. */
+   HR_EACH each row has a number of points of its own for every emitter, more than rays only where none of these is
+   covered. */
 __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_EMITTER_PARAMS,
                           __global const uint *hit_row, /* (n_rows, n_samples), from trace_rows          */
                           __global const uchar *row_sight, /* (n_rows, n_emitters) HR_SIGHT_…            */
@@ -118,8 +119,8 @@ __kernel void direct_rows(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_ELEMENT_PARAMS, HR_
     float sum = 0.0f;
     float lone = 0.0f;
     uint exposed = 0, open = 0;
-    for (uint k = 0; k < n_samples && exposed < most; ++k) {
-        if (hit_row[row * n_samples + k] == HR_COVERED)
+    for (uint k = 0; (k < n_samples || exposed == k) && exposed < most; ++k) {
+        if (k < n_samples && hit_row[row * n_samples + k] == HR_COVERED)
             continue;
         ++exposed;
         const hr_place place = hr_place_on_row(row, hr_sample(k, 0, row_seed), hr_sample(k, 1, row_seed),

@@ -115,4 +115,5 @@ class Companion:
 def half_of(hits: RowHits) -> RowHits:
     """The first half of each row's rays: Sobol points, and thus as even as all of them."""
     half = hits.row.shape[1] // 2
-    return RowHits(hits.row[:, :half], hits.side[:, :half], hits.on_device)
+    density = None if hits.density is None else hits.density[:, :half]
+    return RowHits(hits.row[:, :half], hits.side[:, :half], hits.on_device, density)

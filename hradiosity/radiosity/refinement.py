@@ -91,6 +91,8 @@ class Refinement:
         Rows split in each round.
     rays : int
         Sent in the last round to find out.
+    importance : (n_rows,) float64, or None before a round
+        Change of the mean reading by the exitance of each row, relative to it, per area [m⁻²].
     """
 
     def __init__(self, tolerance: float, position: NDArray[np.float64], normal: NDArray[np.float64]) -> None:
@@ -112,6 +114,7 @@ class Refinement:
     def start(self) -> None:
         """Forget what was found on other elements."""
         self.splits: list[NDArray[np.int64]] = []
+        self.importance: NDArray[np.float64] | None = None
         self.rays = 0
         self._errors: list[float] = []
         self._n_first = 0
@@ -145,11 +148,13 @@ class Refinement:
         seed : int
         """
         self.rays = 0
-        if self._tolerance == np.inf or len(self.splits) == ROUNDS or not len(light.leaving):
+        if self._tolerance == np.inf or not len(light.leaving):
             return False
         self._n_first = self._n_first or len(light.leaving)
         room = int((1.0 + MOST_GROWTH) * self._n_first) - len(light.leaving)
-        importance = self._importance(scene, rows, exchange, light, seed)
+        importance = self.importance = self._importance(scene, rows, exchange, light, seed)
+        if len(self.splits) == ROUNDS:
+            return False
         share, nearest = self._candidates(patches, rows.elements, hits, exchange, light, importance)
         error, chosen = 0.0, nearest[:0]
         if LARGEST_PRODUCT * float(share.sum()) > self._tolerance:

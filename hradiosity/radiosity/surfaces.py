@@ -18,6 +18,7 @@ from hradiosity.options import Options
 from hradiosity.plan import Calibration, ClassicCalibration, Plan
 from hradiosity.planning import sized
 from hradiosity.planning_memory import check_fits
+from hradiosity.radiosity.aiming import Aiming
 from hradiosity.radiosity.companion import Companion, half_of
 from hradiosity.radiosity.iteration import Iteration
 from hradiosity.radiosity.proved_sight import plan_with_sight, proved_sight
@@ -39,6 +40,8 @@ from hradiosity.space.companion import coarser_rows
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
 from hradiosity.space.shafts import UNKNOWN
+from hradiosity.transport.aim_shares import RayWorth, Smoothing
+from hradiosity.transport.aims import trace_aimed_rows
 from hradiosity.transport.contrast import lookup_sizes
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
 from hradiosity.transport.direct import direct_on_rows, light_of_emitters
@@ -109,6 +112,7 @@ class SurfaceSolver:
         self.space: NDArray[np.int32] = lit.space.ravel()[self.elements.cell_side[first]]
         self._row_glow = self.light.exitance[self.light.glow.paint.ravel()[self.elements.cell_side[first]]]
         self._links = np.zeros((0, 2), np.int64)
+        self._aiming = Aiming()
         solver = RowLight(self.plan, self.options, self._choice, self._choose_basis())
         self.iteration = Iteration(solver, self.space, self.elements.area)
         self._parent = self._coarser()
@@ -153,7 +157,7 @@ class SurfaceSolver:
                 self.plan.light_points,
                 seed,
                 self._chance,
-                self._lamp_points,
+                self._lamp_points if self._aiming.points is None else self._aiming.points,
             )
             traced = per_emitter.size if self.sight is None else int(np.count_nonzero(self.sight == UNKNOWN))
             traced = traced if self._tried is None else min(traced, round(self._tried))
@@ -168,7 +172,8 @@ class SurfaceSolver:
         with self.record.timed("solution"):
             irradiance = self._solve(exchange, reflectance, direct)
         with self.record.timed("refinement"):
-            again = self.iteration.means.count == 1 and self._refine(hits, exchange, reflectance, irradiance, seed)
+            first = self.iteration.means.count == 1 and not self._aiming.done
+            again = first and self._refine(hits, exchange, reflectance, irradiance, direct, seed)
         if again:
             return self.replicate(seed)
         with self.record.timed("companion"):
@@ -213,6 +218,7 @@ class SurfaceSolver:
         exchange: ClosedRows,
         reflectance: NDArray[np.float32],
         irradiance: NDArray[np.float32],
+        direct: NDArray[np.float32],
         seed: int,
     ) -> bool:
         """Whether elements were split because of this replicate's light, which is then of no more use."""
@@ -231,6 +237,32 @@ class SurfaceSolver:
             self.record.defects.clear()
             self._split_rows()
         self._plan_for_elements()
+        return again or self._aim(hits, light, np.einsum("rc,c->r", direct, brightness), seed)
+
+    def _aim(self, hits: RowHits, light: GreyLight, direct: NDArray[np.float64], seed: int) -> bool:
+        """Whether rays go elsewhere from now on because of this replicate's light, which then is computed again."""
+        importance = self._refinement.importance
+        if importance is None or not self.exchange_by_rays:
+            return False
+        smooth = Smoothing.of(self.scene.patches, self.elements)
+        leaving = light.reflectance * (direct + smooth(light.arriving - direct)) + light.glow
+        worth = RayWorth(leaving, light.reflectance * smooth(importance), light.sky)
+        again = self._aiming.look(
+            self.on_device,
+            self.on_device_elements,
+            hits,
+            worth,
+            light.emission,
+            self.sight,
+            n_points=self.plan.light_points,
+            replicates=self.plan.replicates,
+            seed=seed,
+        )
+        self.record.rays += self._aiming.rays
+        if again:
+            self.record.convergence.clear()
+            self.record.defects.clear()
+            self.iteration = Iteration(self.iteration.solver, self.space, self.elements.area)
         return again
 
     def _split_rows(self) -> None:
@@ -283,7 +315,12 @@ class SurfaceSolver:
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs beside the constructor's arguments."""
-        return {"links": self._links, **self._refinement.checkpoint(), **self.iteration.checkpoint()}
+        return {
+            "links": self._links,
+            **self._refinement.checkpoint(),
+            **self._aiming.checkpoint(self.device),
+            **self.iteration.checkpoint(),
+        }
 
     def restore(self, kept: Mapping[str, NDArray[Any]]) -> None:
         """Go on from a checkpoint, bit for bit."""
@@ -292,12 +329,17 @@ class SurfaceSolver:
         if self._refinement.restore(kept):
             self._split_rows()
         self._plan_for_elements()
+        self._aiming.restore(self.device, kept)
         self.iteration.restore(kept)
 
     def _trace(self, seed: int) -> RowHits:
         """Exchange rays; sides that only now turn out to be lit join, and the rays start again."""
         for attempt in range(RETRIES + 1):
-            hits = trace_rows(self.on_device, self.on_device_elements, self.plan.rays_per_element, seed)
+            rows, n_rays, aims = self.on_device_elements, self.plan.rays_per_element, self._aiming.aims
+            if aims is None:
+                hits = trace_rows(self.on_device, rows, n_rays, seed)
+            else:
+                hits = trace_aimed_rows(self.on_device, rows, aims, n_rays, seed)
             self.record.rays += hits.row.size
             if attempt == RETRIES or np.count_nonzero(hits.row == UNLIT) <= LOST_SHARE * hits.row.size:
                 break

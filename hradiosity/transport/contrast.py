@@ -38,11 +38,12 @@ def side_contrast(
     """
     n = len(leaving)
     brought = np.append(leaving, 0.0)[np.where(hits.row < UNLIT, hits.row, n).astype(np.int64)]
-    exposed = np.maximum((hits.row != COVERED).sum(axis=1), 1)
+    counts = hits.share
+    exposed = np.maximum((counts * (hits.row != COVERED)).sum(axis=1), 0.5 / hits.row.shape[1])
     label = np.unique(side, return_inverse=True)[1].ravel()
     total = np.bincount(label, area)
-    mean = np.bincount(label, area * brought.sum(axis=1) / exposed)
-    square = np.bincount(label, area * (brought**2).sum(axis=1) / exposed)
+    mean = np.bincount(label, area * (counts * brought).sum(axis=1) / exposed)
+    square = np.bincount(label, area * (counts * brought**2).sum(axis=1) / exposed)
     received = np.bincount(label, area * arriving)
     variance = np.maximum(square * total - mean**2, 0.0)
     contrast: NDArray[np.float64] = np.divide(variance, received**2, out=np.zeros(len(total)), where=received > 0.0)

@@ -1,0 +1,87 @@
+"""Points of elements from which rays go to lamps: more of them where their noise would be that of the readings."""
+
+from __future__ import annotations
+
+from typing import Final
+
+import numpy as np
+from numpy.typing import NDArray
+
+from hradiosity.device.device import DeviceArray
+from hradiosity.space.shafts import UNKNOWN
+from hradiosity.transport.device_scene import DeviceElements, DeviceScene
+from hradiosity.transport.direct import direct_on_rows
+from hradiosity.transport.exchange import RowHits
+from hradiosity.transport.lamp_choice import light_without_obstacles
+
+PILOT_POINTS: Final = 8
+FURTHER_POINTS: Final = 24
+"""Points of each element that tell, once, what it sees of each lamp; the second where the first found nothing."""
+EXTRA: Final = 2.0
+"""Points that are added, at most, over those that the plan has for all elements."""
+MOST_TIMES: Final = 64.0
+"""Points of an element over those of the plan."""
+
+
+def points_by_worth(
+    scene: DeviceScene,
+    elements: DeviceElements,
+    emission: NDArray[np.float64],
+    sight: NDArray[np.uint8] | None,
+    worth: NDArray[np.float64],
+    n_points: int,
+    seed: int,
+    *,
+    tolerance: float,
+) -> NDArray[np.uint32] | None:
+    """(n_rows, n_emitters) points from which a ray goes to an emitter in a replicate; None if `n_points` do for all.
+
+    Points are in proportion to the error of the mean reading by one of them (Neyman 1934).
+
+    Parameters
+    ----------
+    emission : (n_emitters,) float64
+        Brightness.
+    sight : (n_rows, n_emitters) uint8, optional
+        What shafts proved.
+    worth : (n_rows,) float64
+        Change of the mean reading, relative to it, by the brightness of a row's irradiance.
+    seed : int
+        Of the pilot, which replicates have no part in: their light stays without bias.
+    tolerance : float
+        Standard error of the mean reading, relative to it, up to which nothing is done.
+    """
+    n_rows = len(elements.elements)
+    if not scene.occlusion or n_rows == 0 or scene.n_emitters == 0:
+        return None
+    clear = light_without_obstacles(scene, elements).astype(np.float64)
+    doubt = clear > 0.0 if sight is None else (clear > 0.0) & (sight == UNKNOWN)
+    error = np.where(doubt, worth[:, None] * clear * emission, 0.0)
+    if float((error**2).sum()) / (4.0 * n_points) <= tolerance**2:
+        return None
+    seen = _seen(scene, elements, PILOT_POINTS, seed, doubt)
+    again = doubt & (seen == 0.0)
+    more = _seen(scene, elements, FURTHER_POINTS, seed + 1, again)
+    seen += np.where(again, more * FURTHER_POINTS / (PILOT_POINTS + FURTHER_POINTS), 0.0)
+    open_share = np.clip(np.divide(seen, clear, out=np.zeros_like(clear), where=clear > 0.0), 0.0, 1.0)
+    rays = np.where(again, PILOT_POINTS + FURTHER_POINTS, PILOT_POINTS)
+    likely = np.where(open_share > 0.0, np.minimum(open_share, 1.0 - 0.5 / rays), 0.0)
+    error *= np.sqrt(likely * (1.0 - likely))
+    if float((error**2).sum()) / n_points <= tolerance**2:
+        return None
+    room = (1.0 + EXTRA) * n_rows * scene.n_emitters
+    low, high = 0.0, MOST_TIMES / float(error[error > 0.0].min())
+    for _ in range(50):
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if np.clip(middle * error, 1.0, MOST_TIMES).sum() <= room else (low, middle)
+    return np.rint(n_points * np.clip(low * error, 1.0, MOST_TIMES)).astype(np.uint32)
+
+
+def _seen(
+    scene: DeviceScene, elements: DeviceElements, n_points: int, seed: int, where: NDArray[np.bool_]
+) -> NDArray[np.float64]:
+    """(n_rows, n_emitters) light for unit emission by some points of each element, 0 elsewhere."""
+    exposed = np.zeros((len(elements.elements), n_points), np.uint32)
+    hits = RowHits(exposed, exposed, scene.device.upload(exposed))
+    chance: DeviceArray = scene.device.upload(where, np.float32)
+    return direct_on_rows(scene, elements, hits, n_points, seed, chance).astype(np.float64)
