@@ -17,7 +17,7 @@ from hradiosity.transport.exchange import RowHits
 from hradiosity.transport.lamp_worth import points_by_worth
 
 TOLERANCE: Final = 0.002
-"""Standard error of the mean reading, relative to it, by all replicates, that is left to rays and points as they are."""
+"""Standard error of the mean reading over it, by all replicates, that is left to rays and points as they are."""
 
 
 class Aiming:

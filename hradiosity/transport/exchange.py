@@ -36,8 +36,8 @@ class RowHits:
     row : (n_rows, n_samples) uint32, row element or an outcome (MISS, SKY, COVERED, UNLIT)
     side : (n_rows, n_samples) uint32, 2 · patch + side that was hit; 0xFFFFFFFF for none
     on_device : `row`, still on the device
-    density : (n_rows, n_samples, 2) float32, of the row's rays in that direction over the cosine law's, infinite for rays
-        that are lost; and of the rays that the row which is met sends back along it. None: 1 (see
+    density : (n_rows, n_samples, 2) float32, of the row's rays in that direction over the cosine law's, infinite for
+        rays that are lost; and of the rays that the row which is met sends back along it. None: 1 (see
         `hradiosity.transport.aims`)
     """
 

@@ -84,7 +84,7 @@ def test_without_shares_rays_are_the_plain_ones(device, halves):
 
 
 def test_shares_of_rays_sum_to_one_in_the_mean(device, halves):
-    """Over 4096 rays from each row: Σ 1 / (n c) is 1 whatever the aims, since c is the density over the cosine law's."""
+    """Over 4096 rays from each row: Σ 1 / (n c) is 1 whatever the aims, c the density over the cosine law's."""
     hits = trace_aimed_rows(halves.scene, halves.rows, halves.aims().upload(device), 4096, 3)
     lost = np.isinf(hits.density[:, :, 0])
     assert (hits.row[lost] == MISS).all()
