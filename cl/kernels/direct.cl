@@ -177,15 +177,41 @@ HR_FORCE_INLINE int hr_proved_free(const float3 x, const float3 n, const uint em
                     scale, INFINITY, most_visits) == HR_SIGHT_FREE;
 }
 
+/* One ray to an emitter with the probability `chance`, counting as many times more. An emitter taken for `seen` has its
+   closed form less what is found hidden, any other what is found open: neither has a bias, whatever it is taken for, and
+   no noise where that is right. */
+HR_FORCE_INLINE float hr_direct_by_chance(const float3 x, const float3 n, const uint emitter, const float chance,
+                                          const int seen, const uint lamp_seed, const float scale, HR_EMITTER_PARAMS,
+                                          HR_PATCH_PARAMS, HR_BVH_PARAMS)
+{
+    const float whole = seen ? hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH) : 0.0f;
+    if (hr_unit_float(hr_hash(lamp_seed + 0x2545f491u)) >= chance || (seen && whole <= 0.0f))
+        return whole;
+    const uint patch = emitter_patch[emitter];
+    const float2 at = (float2)(hr_sample(0, 0, lamp_seed), hr_sample(0, 1, lamp_seed));
+    const float far_area = patch == HR_NONE ? 1.0f : hr_far_area(x, emitter, HR_EMITTER);
+    float hidden = 0.0f, clear = 0.0f;
+    if (far_area > 0.0f) {
+        const float3 y = hr_emitter_point(emitter, at.x, at.y, HR_EMITTER, HR_PATCH);
+        clear = far_area * hr_emitter_weight(x, n, y, emitter, HR_EMITTER, HR_PATCH);
+        hidden = clear > 0.0f ? clear * (1.0f - hr_open(x, n, HR_NONE, y, patch, scale, HR_BVH)) : 0.0f;
+    } else if (seen || hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH) > 0.0f)
+        hidden = hr_hidden(x, n, HR_NONE, emitter,
+                           (float4)(at.x, at.y, hr_sample(0, 2, lamp_seed), hr_sample(0, 3, lamp_seed)), &clear, scale,
+                           HR_EMITTER, HR_PATCH, HR_BVH);
+    return whole + (seen ? -hidden : clear - hidden) / chance;
+}
+
 /* The same at single points, as the closed form times the open share of the weighted rays; of many rays only where no
    shaft with most_visits nodes and leaves proves that they are free (0: no proof is tried).
    With n_pilot < n_samples, for pictures: after so many rays that all agree the emitter counts as wholly open or
    hidden, and all points send their rays to the same places, so that soft edges have no grain.
-   With HR_EACH every point has a number of rays of its own for every emitter. */
+   With HR_EACH every point has a number of rays of its own for every emitter; below two see hr_direct_by_chance. */
 __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
                             __global const float *position, /* (n_points, 3) [m]                       */
                             __global const float *normal,   /* (n_points, 3) unit                      */
-                            __global const uint *samples,   /* (n_points, n_emitters), with HR_EACH    */
+                            __global const float *samples,  /* (n_points, n_emitters), with HR_EACH    */
+                            __global const uchar *seen,     /* (n_points, n_emitters) 1: taken for seen, with HR_EACH */
                             __global float *direct,         /* (n_points, n_emitters) [1] or [m^-2]    */
                             const uint first_point, const uint n_samples, const uint n_pilot,
                             const uint n_emitters, const uint occlusion, const uint most_visits, const uint seed,
@@ -198,15 +224,22 @@ __kernel void direct_points(HR_BVH_PARAMS, HR_PATCH_PARAMS, HR_EMITTER_PARAMS,
     const uint emitter = i % n_emitters;
     const float3 x = hr_load3(position, point);
     const float3 n = hr_load3(normal, point);
+    const uint lamp_seed = hr_combine(n_pilot < n_samples ? seed : hr_combine(seed, point), emitter);
+#if HR_EACH
+    if (occlusion && samples[i] < 2.0f) {
+        direct[i] = hr_direct_by_chance(x, n, emitter, hr_smaller(samples[i], 1.0f), seen[i], lamp_seed, scale,
+                                        HR_EMITTER, HR_PATCH, HR_BVH);
+        return;
+    }
+#endif
     const float factor = hr_emitter_factor(x, n, emitter, HR_EMITTER, HR_PATCH);
     if (factor <= 0.0f || !occlusion) {
         direct[i] = factor;
         return;
     }
-    const uint lamp_seed = hr_combine(n_pilot < n_samples ? seed : hr_combine(seed, point), emitter);
     const int near = emitter_patch[emitter] != HR_NONE && hr_far_area(x, emitter, HR_EMITTER) <= 0.0f;
 #if HR_EACH
-    const uint most = samples[i];
+    const uint most = (uint)samples[i];
 #else
     const uint most = n_samples;
 #endif

@@ -327,6 +327,7 @@ class PointReader:
             moments.normal,
             light_samples=plan.light_samples,
             gather_samples=plan.gather_samples if plan.gathers or self._scene.sky is not None else 0,
+            replicates=self._options.replicates if self._options.accuracy is None else np.inf,
             rules=self.rules,
             seed=on.seed ^ _EFFORT_SEED,
             response=moments.planes.response,

@@ -10,10 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from hradiosity.readings.guide import Guides
-from hradiosity.readings.guide_pilot import make_guides
+from hradiosity.readings.guide_trial import guides_that_pay
 from hradiosity.readings.interval import part_of
 from hradiosity.readings.path_tracing import PathRules, reflected_light, trace_paths, upload_points
-from hradiosity.readings.pilot_light import PilotLight, brightness_met
 from hradiosity.readings.surface_light import SurfaceLight
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_at_points
@@ -21,14 +20,12 @@ from hradiosity.transport.direct import direct_at_points
 PILOT_PATHS = 64
 PILOT_LIGHT_SAMPLES, LEAST_LIGHT_SAMPLES, ALL_LIGHT_SAMPLES = 64, 4, 512
 """Shadow rays of the pilot to each emitter; less to each of many, so that there are about so many to all of them."""
-GUIDED_AT_ONCE = 1024
-"""Readings whose guides are made at a time."""
 DARK_SHARE = 0.05
 """Readings darker than this share of the mean count as that bright: their relative error matters less."""
 LEAST, LEAST_LIGHT, MOST = 0.5, 0.125, 32.0
 """Bounds of a reading's share of the paths, and of its shadow rays to an emitter, over an even one."""
-FEWEST = 2
-"""Shadow rays to an emitter: one alone tells its open share with a bias, by what it counts itself."""
+FEWEST = 0.125
+"""Shadow rays to an emitter, in the mean."""
 SHADOW_RAY = 0.2
 """Price of a shadow ray, in paths."""
 STRATIFIED = 0.4
@@ -45,13 +42,15 @@ BISECTIONS = 50
 class Effort:
     """Samples of each reading in one replicate.
 
-    light : (n, n_emitters) int64, shadow rays
+    light : (n, n_emitters) float64, shadow rays; below 1 the probability of one
+    seen : (n, n_emitters) bool, emitters that are mostly seen, as far as is known
     gather : (n,) int64, paths
     guide : Guides, of n readings, in which directions paths start
     lookup : (n,) int64, first hit of a path at which the solution may be looked up
     """
 
-    light: NDArray[np.int64]
+    light: NDArray[np.float64]
+    seen: NDArray[np.bool_]
     gather: NDArray[np.int64]
     guide: Guides
     lookup: NDArray[np.int64]
@@ -60,30 +59,27 @@ class Effort:
     def even(cls, shape: tuple[int, int], light: int, gather: int, lookup: int) -> Effort:
         """The same for all readings, (n, n_emitters) of them."""
         n = shape[0]
-        return cls(np.full(shape, light, np.int64), np.full(n, gather), Guides.even(n), np.full(n, lookup))
+        rays, seen = np.full(shape, float(light)), np.zeros(shape, np.bool_)
+        return cls(rays, seen, np.full(n, gather), Guides.even(n), np.full(n, lookup))
 
     @classmethod
     def of_arrays(cls, arrays: Mapping[str, NDArray[Any]]) -> Effort:
         """From `arrays`."""
         guide = Guides(**part_of(arrays, "guide"))
-        return cls(arrays["light"], arrays["gather"], guide, arrays["lookup"])
+        return cls(arrays["light"], arrays["seen"], arrays["gather"], guide, arrays["lookup"])
 
     def focused(self, focus: NDArray[np.float64]) -> Effort:
         """So many times the samples (n,), in the steps of `stepped`; the same if there are no entries."""
         if not len(focus):
             return self
         times = stepped(focus)
-        scaled = self.light * times[:, None], self.gather * times
-        light, gather = (
-            np.maximum(np.rint(some), part > 0).astype(np.int64)
-            for some, part in zip(scaled, (self.light, self.gather))
-        )
-        return replace(self, light=light, gather=gather)
+        gather = np.maximum(np.rint(self.gather * times), self.gather > 0).astype(np.int64)
+        return replace(self, light=_whole(self.light * times[:, None]), gather=gather)
 
     def of_goes(self, times: NDArray[np.float64]) -> Effort:
         """The samples (n,) goes have together."""
-        light, gather = np.rint(self.light * times[:, None]), np.rint(self.gather * times)
-        return replace(self, light=light.astype(np.int64), gather=gather.astype(np.int64))
+        light, gather = _whole(self.light * times[:, None]), np.rint(self.gather * times)
+        return replace(self, light=light, gather=gather.astype(np.int64))
 
     def looking(self, lookup: NDArray[np.int64]) -> Effort:
         """The same with lookups at these hits (n,); the same if there are no entries."""
@@ -91,7 +87,8 @@ class Effort:
 
     def some(self, chosen: NDArray[np.int64]) -> Effort:
         """That of some of the readings."""
-        return Effort(self.light[chosen], self.gather[chosen], self.guide.some(chosen), self.lookup[chosen])
+        light, seen = self.light[chosen], self.seen[chosen]
+        return Effort(light, seen, self.gather[chosen], self.guide.some(chosen), self.lookup[chosen])
 
     @property
     def rays(self) -> int:
@@ -102,7 +99,8 @@ class Effort:
     def arrays(self) -> dict[str, NDArray[Any]]:
         """What it is made of, by name."""
         guide = {f"guide/{name}": array for name, array in vars(self.guide).items()}
-        return {"light": self.light, "gather": self.gather, "lookup": self.lookup, **guide}
+        own = {"light": self.light, "seen": self.seen, "gather": self.gather, "lookup": self.lookup}
+        return {**own, **guide}
 
 
 def plan_effort(
@@ -114,6 +112,7 @@ def plan_effort(
     *,
     light_samples: int,
     gather_samples: int,
+    replicates: float,
     rules: PathRules,
     seed: int,
     response: NDArray[np.float32] | None = None,
@@ -125,7 +124,9 @@ def plan_effort(
     position, normal : (n, 3) float64
         World frame [m], unit normals.
     light_samples, gather_samples : int
-        Mean number of samples of a reading.
+        Mean number of samples of a reading in a replicate.
+    replicates : float
+        That these are planned for; infinite if it may be any number of goes.
     rules : PathRules
         Of the paths that are planned for.
     response : (n, 12) float32, optional
@@ -140,20 +141,9 @@ def plan_effort(
     direct = direct_at_points(scene, position, normal, pilot, seed, response=response)
     arriving = direct.astype(np.float64) * brightness
     points = upload_points(scene, position, normal, response)
-    bright, other = brightness_met(scene, elements, light), arriving.sum(axis=1)
-    some = [slice(first, first + GUIDED_AT_ONCE) for first in range(0, n, GUIDED_AT_ONCE)]
-    guide = Guides.joined(
-        [
-            make_guides(
-                PilotLight(
-                    scene, elements, upload_points(scene, position[part], normal[part]), bright, seed + part.start
-                ),
-                other[part],
-                gather_samples,
-            )
-            for part in some
-        ]
-    )
+    other = arriving.sum(axis=1)
+    place = scene, elements, light, position, normal
+    guide = guides_that_pay(*place, other, gather_samples, replicates, rules=rules, seed=seed, response=response)
     paths = trace_paths(
         scene, elements, light, points, PILOT_PATHS, seed, rules, guide=guide.upload(scene.device), last_chance=True
     )
@@ -163,12 +153,13 @@ def plan_effort(
     total = other + mean
     total = np.maximum(total, DARK_SHARE * total.mean())
     worth = np.divide(total[:, None], brightness, out=np.full(direct.shape, np.inf), where=brightness > 0.0)
-    penumbra = np.sqrt(_partial(scene, position, normal, direct, pilot, worth, seed, response)) * brightness
+    variance_of_ray, seen = _partial(scene, position, normal, direct, pilot, worth, seed, response)
+    penumbra = np.sqrt(variance_of_ray) * brightness
     relative = np.divide(1.0, total, out=np.zeros(n), where=total > 0.0)
     shadow_rays, n_paths = Split(gather_samples, light_samples).shared(
         STRATIFIED * penumbra * relative[:, None], np.sqrt(variance) * relative
     )
-    return Effort(shadow_rays, n_paths, guide, np.full(n, rules.lookup))
+    return Effort(shadow_rays, seen > 0.5, n_paths, guide, np.full(n, rules.lookup))
 
 
 def _partial(
@@ -180,8 +171,8 @@ def _partial(
     worth: NDArray[np.float64],
     seed: int,
     response: NDArray[np.float32] | None,
-) -> NDArray[np.float64]:
-    """(n, n_emitters) variance of one shadow ray's factor: F² v (1 − v), F without obstacles, v the visible share.
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Variance of one shadow ray's factor, F² v (1 − v) with F without obstacles, and the seen share v; (n, n_emitters).
 
     A lamp that the pilot's rays all missed may yet be seen by one ray in a hundred, which would be most of the light in
     a deep shadow; and few rays that all met it prove little. Lamps whose factor would be above `worth` are looked for
@@ -195,13 +186,13 @@ def _partial(
     some = np.flatnonzero(rays.any(axis=1))
     its_response = None if response is None else response[some]
     again = direct_at_points(
-        scene, position[some], normal[some], np.maximum(rays[some], 1), seed + 1, response=its_response
+        scene, position[some], normal[some], np.maximum(rays[some], 1.0), seed + 1, response=its_response
     )
     seen[some] = np.where(rays[some] > 0, again / np.maximum(clear[some], np.finfo(np.float64).tiny), seen[some])
     doubt = UNSEEN_RAYS / (n_rays + rays)
     likely = np.clip(seen, doubt, 1.0 - doubt)
     variance: NDArray[np.float64] = clear**2 * likely * (1.0 - likely)
-    return variance
+    return variance, seen
 
 
 @dataclass(frozen=True)
@@ -216,7 +207,7 @@ class Split:
 
     def shared(
         self, penumbra: NDArray[np.float64], gather: NDArray[np.float64]
-    ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    ) -> tuple[NDArray[np.float64], NDArray[np.int64]]:
         """Shadow rays (n, n_emitters) and paths (n,) of each reading, n ∝ σ/√price, in steps of a factor 2.
 
         Parameters
@@ -234,7 +225,7 @@ class Split:
             light, paths = (_within(middle * some, even, least) for some, even, least in wanted)
             low, high = (middle, high) if paths.sum() + SHADOW_RAY * light.sum() <= whole else (low, middle)
         light, paths = (_within(low * some, even, least) for some, even, least in wanted)
-        return light, paths
+        return light, np.rint(paths).astype(np.int64)
 
 
 def stepped(times: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -243,9 +234,13 @@ def stepped(times: NDArray[np.float64]) -> NDArray[np.float64]:
     return nearest
 
 
-def _within(samples: NDArray[np.float64], even: int, least: float) -> NDArray[np.int64]:
+def _within(samples: NDArray[np.float64], even: int, least: float) -> NDArray[np.float64]:
     """Within bounds about an even share, in steps of a factor 2 from there."""
     share = np.clip(samples / max(even, 1), least, MOST)
-    fewest = min(FEWEST, even)
-    within: NDArray[np.int64] = np.maximum(np.rint(stepped(share) * even), fewest).astype(np.int64)
-    return within
+    return _whole(np.maximum(stepped(share) * even, min(FEWEST, even)))
+
+
+def _whole(samples: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Whole numbers from 1 on, and probabilities below."""
+    whole: NDArray[np.float64] = np.where(samples < 1.0, samples, np.rint(samples))
+    return whole

@@ -76,7 +76,7 @@ def read_points(
     n = len(position)
     used = light.columns.n_columns
     emission = light.emission[:, :used]
-    direct = direct_at_points(scene, position, normal, effort.light, seed, response=response)
+    direct = direct_at_points(scene, position, normal, effort.light, seed, response=response, seen=effort.seen)
     irradiance = np.einsum("xe,ec->xc", direct.astype(np.float64), emission)
     enclosed, some_row = np.zeros(n), np.full(n, -1)
     change = np.zeros((n, used))

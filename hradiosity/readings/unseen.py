@@ -18,7 +18,7 @@ def brightest_unseen(
     normal: NDArray[np.float64],
     samples: ReadingSamples,
     *,
-    light_samples: NDArray[np.int64],
+    light_samples: NDArray[np.float64],
     gather_samples: NDArray[np.int64],
 ) -> NDArray[np.float64] | None:
     """Most that one ray of a dark reading could have brought, over the number of its rays.
@@ -32,8 +32,8 @@ def brightest_unseen(
     position, normal : (n, 3) float64
         World frame [m], unit normals.
     samples : ReadingSamples
-    light_samples : (n, n_emitters) int64
-        Shadow rays.
+    light_samples : (n, n_emitters) float64
+        Shadow rays; below 1 the probability of one.
     gather_samples : (n,) int64
         Paths.
 

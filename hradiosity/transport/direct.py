@@ -94,10 +94,11 @@ def direct_at_points(
     scene: DeviceScene,
     position: NDArray[np.float64],
     normal: NDArray[np.float64],
-    n_samples: int | NDArray[np.int64],
+    n_samples: int | NDArray[np.float64],
     seed: int,
     n_pilot: int | None = None,
     response: NDArray[np.float32] | None = None,
+    seen: NDArray[np.bool_] | None = None,
 ) -> NDArray[np.float32]:
     """Irradiance at single points for unit emission of each emitter.
 
@@ -107,15 +108,19 @@ def direct_at_points(
         World frame [m].
     normal : (n, 3) float64
         Unit normals.
-    n_samples : int, or (n, n_emitters) int64
+    n_samples : int, or (n, n_emitters) float64
         Shadow rays to each area emitter, 1 or more; their weighted open share multiplies the closed-form factor. None
-        are traced where a shaft proves that the way is free.
+        are traced where a shaft proves that the way is free. In arrays, a number below 1 is the probability of one ray.
     n_pilot : int, optional
         For pictures: stop after this many rays to an emitter when they all agree, which is cheaper, but no longer
         unbiased where an emitter is nearly open or nearly hidden; and all points send their rays to the same places,
         so that errors change smoothly from point to point.
     response : (n, 12) float32, optional
-        How directions weigh, see `hradiosity.model.sensor_kinds`; `n_pilot` and proofs have no part in that.
+        How directions weigh, see `hradiosity.model.sensor_kinds`; `n_pilot`, proofs, and probabilities in place of a
+        ray have no part in that.
+    seen : (n, n_emitters) bool, optional
+        With an array of rays: emitters with less than two that count by their closed form, less what is found hidden;
+        the others by what is found open. The mean is the same.
 
     Returns
     -------
@@ -127,7 +132,9 @@ def direct_at_points(
     if response is not None:
         return _direct_by_response(scene, position, normal, response, n_samples, seed)
     direct = device.empty((len(position), scene.n_emitters), np.float32)
-    each, most = _each(scene, n_samples)
+    each, most = _each(scene, n_samples, np.float32)
+    if isinstance(n_samples, np.ndarray) and seen is None:
+        seen = np.zeros(n_samples.shape, np.bool_)
     device.kernel("direct", "direct_points", HR_EACH=int(isinstance(n_samples, np.ndarray)))(
         len(position) * scene.n_emitters,
         **scene.geometry,
@@ -135,6 +142,7 @@ def direct_at_points(
         position=device.upload(position - scene.bvh.local_origin, np.float32),
         normal=device.upload(normal, np.float32),
         samples=each,
+        seen=device.upload(np.zeros(1) if seen is None else seen, np.uint8),
         direct=direct,
         first_point=0,
         n_samples=most,
@@ -149,11 +157,11 @@ def direct_at_points(
     return fetched
 
 
-def _each(scene: DeviceScene, n_samples: int | NDArray[np.int64]) -> tuple[DeviceArray, int]:
+def _each(scene: DeviceScene, n_samples: int | NDArray[np.float64], dtype: type) -> tuple[DeviceArray, int]:
     """Numbers of rays on the device, none if there is one for all; and the largest."""
     if isinstance(n_samples, np.ndarray):
-        return scene.device.upload(n_samples, np.uint32), int(n_samples.max(initial=1))
-    return scene.device.empty((1,), np.uint32), int(n_samples)
+        return scene.device.upload(n_samples, dtype), int(n_samples.max(initial=1))
+    return scene.device.empty((1,), dtype), int(n_samples)
 
 
 def _direct_by_response(
@@ -161,13 +169,13 @@ def _direct_by_response(
     position: NDArray[np.float64],
     normal: NDArray[np.float64],
     response: NDArray[np.float32],
-    n_samples: int | NDArray[np.int64],
+    n_samples: int | NDArray[np.float64],
     seed: int,
 ) -> NDArray[np.float32]:
     """(n, n_emitters) as `direct_at_points`, each direction weighted by the response."""
     device = scene.device
     direct = device.empty((len(position), scene.n_emitters), np.float32)
-    each, most = _each(scene, n_samples)
+    each, most = _each(scene, np.maximum(n_samples, 1.0) if isinstance(n_samples, np.ndarray) else n_samples, np.uint32)
     device.kernel("responses", "direct_responses", HR_EACH=int(isinstance(n_samples, np.ndarray)))(
         len(position) * scene.n_emitters,
         **scene.geometry,

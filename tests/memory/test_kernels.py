@@ -97,13 +97,14 @@ def test_a_replicate(device, bands):
     place = solver.on_device, solver.on_device_elements
     guides = make_guides(PilotLight(*place, points, brightness_met(*place, light), 1), np.zeros(2), 512)
     assert len(guides.key) > 0
+    rays = np.repeat([[4.0], [0.5]], solver.on_device.n_emitters, axis=1)
     samples = read_points(
         solver.on_device,
         solver.on_device_elements,
         light,
         sensor.position,
         sensor.normal,
-        Effort(np.column_stack([few] * solver.on_device.n_emitters), few, guides, np.array([1, 3])),
+        Effort(rays, rays > 2.0, few, guides, np.array([1, 3])),
         rules=PathRules(1, 0.5, 1.0),
         seed=1,
     )

@@ -216,7 +216,7 @@ def test_guides_of_some_readings_are_theirs():
 
 
 def test_efforts_are_made_of_their_arrays():
-    effort = Effort(np.ones((3, 2), np.int64), np.arange(3), gap_guides(), np.full(3, 2))
+    effort = Effort(np.ones((3, 2)), np.eye(3, 2) > 0, np.arange(3), gap_guides(), np.full(3, 2))
     again = Effort.of_arrays(effort.arrays)
     for name, array in effort.arrays.items():
         np.testing.assert_array_equal(again.arrays[name], array)

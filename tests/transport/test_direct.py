@@ -195,3 +195,23 @@ def test_no_emitters_and_no_points(device):
     assert at_points(device, cube(), [[0.5, 0.5, 0.5]], UP).shape == (1, 0)
     b, _ = lamp_and_floor()
     assert at_points(device, b, np.zeros((0, 3)), np.zeros((0, 3))).shape == (0, 1)
+
+
+@pytest.mark.parametrize("distance", [0.6, 8.0])
+@pytest.mark.parametrize("seen", [False, True])
+def test_a_ray_by_chance_has_no_bias_whatever_the_lamp_is_taken_for(device, distance, seen):
+    """Near and far lamp, half hidden by an edge; open ones have no noise when taken for seen, hidden ones else."""
+    b, _ = lamp_and_floor(height=distance)
+    b.patch((0.05, -3, 0.5 * distance), (0, 6, 0), (3, 0, 0), b.material(0.5))
+    scene = b.scene()
+    on_device = upload_scene(device, scene, build_bvh(device, scene.patches), occlusion=True)
+    n = 4096
+    position = np.repeat([(0.1, 0.0, 0.0), (-2.0, 0.0, 0.0), (1.5, 0.0, 0.0)], n, axis=0)
+    normal = np.broadcast_to(UP, position.shape)
+    few = {"n_samples": np.full((3 * n, 1), 0.25), "seen": np.full((3 * n, 1), seen)}
+    found = direct_at_points(on_device, position, normal, seed=3, **few)[:, 0].reshape(3, n).astype(float)
+    truth = direct_at_points(on_device, position[::n], UP[None].repeat(3, axis=0), 4096, 1)[:, 0]
+    error = found.std(axis=1, ddof=1) / np.sqrt(n)
+    assert (np.abs(found.mean(axis=1) - truth) <= 4.0 * error + 1e-3 * truth).all()
+    assert truth[2] == 0.0 and 0.0 < truth[0] and error[0] > 0.0
+    assert error[1 if seen else 2] == 0.0 and error[2 if seen else 1] > 0.0
