@@ -172,7 +172,7 @@ def _partial(
     seed: int,
     response: NDArray[np.float32] | None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Variance of one shadow ray's factor, F² v (1 − v) with F without obstacles, and the seen share v; (n, n_emitters).
+    """Variance of one shadow ray's factor, F² v (1 − v) with F without obstacles, and the share v; (n, n_emitters).
 
     A lamp that the pilot's rays all missed may yet be seen by one ray in a hundred, which would be most of the light in
     a deep shadow; and few rays that all met it prove little. Lamps whose factor would be above `worth` are looked for
