@@ -388,7 +388,7 @@ class RadiositySolver:
         if self._reader.count < 2:
             return None
         if self._accuracies is None:
-            readings = self._reader.moments.readings(self._rounds.shared_errors(), illuminance_only=True)
+            readings = self._reader.illuminances.readings(self._rounds.shared_errors(), illuminance_only=True)
             self._accuracies = Accuracies.of(readings, self._reader.proved_noise(), self._reader.count)
         return self._accuracies
 
@@ -422,7 +422,7 @@ class RadiositySolver:
 
     def _interval_parts(self) -> list[str]:
         """What the half widths of the readings are made of."""
-        readings = self._reader.moments.readings(illuminance_only=True).values()
+        readings = self._reader.illuminances.readings(illuminance_only=True).values()
         return list(next(iter(readings)).numbers["illuminance"].parts) if readings else []
 
     def _summary(self) -> dict[str, Any]:

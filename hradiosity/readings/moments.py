@@ -65,6 +65,8 @@ class ReadingMoments:
         With the numbers that take longer, see `hradiosity.metrics.derived`.
     scene : Scene, optional
         That luminance sensors look at, and whose action spectra weigh light.
+    illuminance_only : bool
+        Without all numbers but spectra and illuminances: what tells how accurate readings are.
 
     Attributes
     ----------
@@ -73,12 +75,24 @@ class ReadingMoments:
     """
 
     def __init__(
-        self, sensors: Sequence[Sensor], bands: Bands, *, full: bool = False, scene: Scene | None = None
+        self,
+        sensors: Sequence[Sensor],
+        bands: Bands,
+        *,
+        full: bool = False,
+        scene: Scene | None = None,
+        illuminance_only: bool = False,
     ) -> None:
         self.planes = Composition(sensors, scene)
         self.times: NDArray[np.float64] | None = None
         self._sensors = tuple(sensors)
-        self._numbers = ReadingNumbers(sensors, bands, full=full, actions=() if scene is None else scene.actions)
+        self._numbers = ReadingNumbers(
+            sensors,
+            bands,
+            full=full,
+            actions=() if scene is None else scene.actions,
+            illuminance_only=illuminance_only,
+        )
         n = len(self.planes.count)
         empty = self._numbers.of(np.zeros((n, len(bands))))
         self._values = {name: RunningMoments(array.shape) for name, array in empty.items()}

@@ -36,6 +36,8 @@ class ReadingNumbers:
         With R1 to R14, Rf and Rg.
     actions : sequence of Action
         Further action spectra that light is weighted by.
+    illuminance_only : bool
+        Without colour and everything else that takes time.
 
     Attributes
     ----------
@@ -44,13 +46,19 @@ class ReadingNumbers:
     """
 
     def __init__(
-        self, sensors: Sequence[Sensor], bands: Bands, *, full: bool = False, actions: Sequence[Action] = ()
+        self,
+        sensors: Sequence[Sensor],
+        bands: Bands,
+        *,
+        full: bool = False,
+        actions: Sequence[Action] = (),
+        illuminance_only: bool = False,
     ) -> None:
         ends = np.cumsum([0, *(s.n_readings for s in sensors)])
         self.parts = {s.name: slice(int(ends[i]), int(ends[i + 1])) for i, s in enumerate(sensors)}
         self._luminous = luminous_weights(bands)
         self._xyz = xyz_weights(bands)
-        self._derived = DerivedNumbers(bands, full=full)
+        self._derived = None if illuminance_only else DerivedNumbers(bands, full=full)
         self._actions = {f"{action.name}_w_m2": band_weights(action.spectrum, bands) for action in actions}
         middle = bands.centre - 0.5 * (bands.centre[0] + bands.centre[-1])
         self.tilt = middle / max(float(np.abs(middle).max()), np.finfo(np.float64).tiny)
@@ -69,6 +77,8 @@ class ReadingNumbers:
             without light, those of `illuminances`, those of `hradiosity.metrics.derived`, (n,), and ``NAME_w_m2``
             (n,) for each action spectrum.
         """
+        if self._derived is None:
+            return {"irradiance": spectra, **self.illuminances(spectra)}
         return {
             "irradiance": spectra,
             **self.illuminances(spectra),

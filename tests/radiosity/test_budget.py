@@ -291,6 +291,20 @@ def test_a_run_that_was_broken_off_in_a_step_goes_on(device, monkeypatch):
         np.testing.assert_array_equal(expected, second.solution().readings["s0"].irradiance)
 
 
+def test_illuminances_alone_tell_the_same_as_everything(device):
+    """Bit for bit: what decides about further samples must not depend on who asked for colours in between."""
+    solver = RadiositySolver(furnished_room(), replace(SMALL, accuracy=0.02), device)
+    steps = 0
+    for state in solver.states():
+        if state.stage == "further samples" and state.replicate == 8:
+            alone = solver._reader.illuminances.readings(illuminance_only=True)["s0"].numbers["illuminance"]
+            whole = solver._reader.moments.readings()["s0"].numbers["illuminance"]
+            np.testing.assert_array_equal(alone.value, whole.value)
+            np.testing.assert_array_equal(alone.half_width, whole.half_width)
+            steps += 1
+    assert steps > 0
+
+
 def test_readings_that_are_sure_stay_as_they_are(device):
     """Bit for bit: their samples are not repeated, whatever happens to the others."""
     scene, options = furnished_room(), replace(SMALL, accuracy=0.02)
