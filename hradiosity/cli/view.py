@@ -79,29 +79,23 @@ def view(
     html
         Write this page, which opens in a browser without a server, in place of opening a window.
     """
-    from hradiosity.show.window.app import Request, running_in
-    from hradiosity.show.window.app import view as open_view
+    from hradiosity.show.window.app import Request
     from hradiosity.show.window.look import Look
     from hradiosity.show.window.subject import Choices
 
     _check(exposure, false_color_range, false_color_scale == "log", size)
     _check_files(follow, pick, size, screenshot, html)
-    if other is None and difference:
-        raise _fault("--difference", "there is one result", "two: hradiosity view FIRST SECOND --difference")
-    if other is not None and html is not None:
-        raise _fault("--html", "there are two results", "one, which the page shows; or --screenshot, which shows two")
-    choices = Choices(exposure, None if white is None else white.value, false_color_range)
-    look = Look(
-        mode=mode,
-        quantity=false_color or "illuminance",
-        logarithmic=false_color_scale == "log",
-        compare="difference" if difference else "side by side",
-    )
+    _check_two(other, html, difference=difference)
     request = Request(
         paths=(shown,) if other is None else (shown, other),
         follow=follow,
-        look=look,
-        choices=choices,
+        look=Look(
+            mode=mode,
+            quantity=false_color or "illuminance",
+            logarithmic=false_color_scale == "log",
+            compare="difference" if difference else "side by side",
+        ),
+        choices=Choices(exposure, None if white is None else white.value, false_color_range),
         view=camera,
         size=size,
         pick=pick,
@@ -109,10 +103,16 @@ def view(
         page=html,
         look_chosen=false_color is not None or false_color_scale is not None,
     )
-    running = None if other is not None or follow is not None else running_in(shown)
-    if running is not None:
-        request = _of_run(request, running)
-    open_view(request)
+    return _open(request)
+
+
+def _open(request: Request) -> int:
+    """Show what is asked for; a run that goes on there is followed."""
+    from hradiosity.show.window.app import running_in, view
+
+    alone = len(request.paths) == 1 and request.follow is None
+    running = running_in(request.paths[0]) if alone else None
+    view(request if running is None else _of_run(request, running))
     return 0
 
 
@@ -150,6 +150,14 @@ def _check(exposure: float | None, scale: tuple[float, float] | None, logarithmi
             raise _fault("--false-color-range", f"{low:g} {high:g} is no range", wanted)
     if not (320 <= size[0] <= 8192 and 240 <= size[1] <= 8192):
         raise _fault("--size", f"is {size[0]} {size[1]}", "320 × 240 to 8192 × 8192 pixels")
+
+
+def _check_two(other: Path | None, html: Path | None, *, difference: bool) -> None:
+    """Raise `SceneError` for one result in place of two, and for two in place of one."""
+    if other is None and difference:
+        raise _fault("--difference", "there is one result", "two: hradiosity view FIRST SECOND --difference")
+    if other is not None and html is not None:
+        raise _fault("--html", "there are two results", "one, which the page shows; or --screenshot, which shows two")
 
 
 def _check_files(

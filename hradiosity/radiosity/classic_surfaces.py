@@ -107,7 +107,7 @@ class ClassicSurfaces(SurfaceSolver):
         mean = np.einsum("p,pc->c", patches.area, reflectance) / total if total > 0.0 else np.zeros(1)
         sizes = ClassicSizes(
             shooters=len(patches),
-            lamp_points=len(self._lamps.cell),
+            lamp_points=len(self._area_lamps.cell),
             elements=len(self.elements),
             resolution=self.options.hemicube_resolution,
             tolerance=self.options.tolerance,
@@ -123,7 +123,7 @@ class ClassicSurfaces(SurfaceSolver):
         two_sided = np.array([m.two_sided for m in self.scene.materials], bool)
         self._structure: Substructure = cut_substructure(patches, lit.space, two_sided, size, lit.slots)
         self._side_exitance = side_exitance(self.scene, self.light.emission[:, : self.plan.columns.n_columns])
-        self._lamps = cut_lamps(self._structure, self._side_exitance)
+        self._area_lamps = cut_lamps(self._structure, self._side_exitance)
         self._points_alone = self._without_area_lamps()
         elements, self._row_patch = self._structure.rows(patches, self._splits())
         self._companion = self._coarser_patches(elements, lit)
@@ -196,7 +196,7 @@ class ClassicSurfaces(SurfaceSolver):
         rng: np.random.Generator,
     ) -> NDArray[np.float64]:
         """(n_items, n_columns) irradiance of items with an exposed `area` by all area lamps."""
-        lamps = self._lamps
+        lamps = self._area_lamps
         points = shooting_points(self._bvh, self.scene.patches, lamps.grid, lamps.cell, rng)
         return lamps.light(hemicube, points, exposed[item_of_finest[lamps.finest]], area)
 

@@ -24,6 +24,7 @@ from hradiosity.radiosity.iteration import Iteration
 from hradiosity.radiosity.proved_sight import plan_with_sight, proved_sight
 from hradiosity.radiosity.record import Record
 from hradiosity.radiosity.refinement import GreyLight, Refinement
+from hradiosity.radiosity.row_lamps import RowLamps
 from hradiosity.radiosity.row_light import RowLight, light_of_glow
 from hradiosity.radiosity.scene_light import SceneLight
 from hradiosity.radiosity.watching import Glimpse, LightWatch
@@ -39,23 +40,18 @@ from hradiosity.space.bvh import Bvh
 from hradiosity.space.companion import coarser_rows
 from hradiosity.space.hierarchy import UNLIT, Elements, build_elements
 from hradiosity.space.lit_sides import LitSides, find_lit_sides
-from hradiosity.space.shafts import UNKNOWN
 from hradiosity.transport.aim_shares import RayWorth, Smoothing
 from hradiosity.transport.aims import trace_aimed_rows
 from hradiosity.transport.contrast import lookup_sizes
 from hradiosity.transport.device_scene import DeviceScene, upload_elements, upload_scene
-from hradiosity.transport.direct import direct_on_rows, light_of_emitters
+from hradiosity.transport.direct import light_of_emitters
 from hradiosity.transport.exchange import ClosedRows, Exchange, RowHits, build_exchange, trace_rows
 from hradiosity.transport.glow import sampled_scene
-from hradiosity.transport.lamp_choice import drawn_at_hits, lamp_probability, light_without_obstacles, many_lamps
-from hradiosity.transport.lamp_doubt import points_for_lamps
 
 RETRIES = 3
 """Times that sides found to be lit only by the exchange rays are added, and the rays traced again."""
 COMPANION_ROTA = (MESH, "", MESH, EXCHANGE)
 """What the replicates' companions tell about, in turn; these changes are far steadier than the readings themselves."""
-POINTS_SEED = 0x7F4A7C15
-"""Of the pilot that tells where lamps call for more points; no replicate has this seed."""
 LOST_SHARE = 1e-4
 """Share of exchange rays that may end on sides thought to be dark; more, and those sides join."""
 
@@ -116,21 +112,8 @@ class SurfaceSolver:
         solver = RowLight(self.plan, self.options, self._choice, self._choose_basis())
         self.iteration = Iteration(solver, self.space, self.elements.area)
         self._parent = self._coarser()
-        self._plan_lamps()
-
-    def _plan_lamps(self) -> None:
-        """How often elements try each lamp, and from how many points; what lamps could send without obstacles."""
-        place, lamps = (self.on_device, self.on_device_elements), (self.light.emission, self.sight)
-        clear = light_without_obstacles(*place, roughly=many_lamps(self.on_device))
-        chance = lamp_probability(self.on_device, clear, *lamps)
-        points = None
-        if chance is None:
-            seed = self.options.seed ^ POINTS_SEED
-            points = points_for_lamps(*place, clear, *lamps, self.plan.light_points, seed)
-        self._tried = None if chance is None else float(chance.sum())
-        self._chance = None if chance is None else self.device.upload(chance)
-        self._lamp_points = None if points is None else self.device.upload(points)
-        self._clear_light = self.device.upload(clear)
+        lamps = self.light.emission, self.sight, self.plan.light_points
+        self._lamps = RowLamps.of(self.on_device, self.on_device_elements, *lamps, self.options.seed)
 
     def _divide(self, lit: LitSides) -> Elements:
         """The row elements of the lit sides."""
@@ -150,18 +133,8 @@ class SurfaceSolver:
         with self.record.timed("exchange rays"):
             hits = self._trace(seed)
         with self.record.timed("direct light"):
-            per_emitter = direct_on_rows(
-                self.on_device,
-                self.on_device_elements,
-                hits,
-                self.plan.light_points,
-                seed,
-                self._chance,
-                self._lamp_points if self._aiming.points is None else self._aiming.points,
-            )
-            traced = per_emitter.size if self.sight is None else int(np.count_nonzero(self.sight == UNKNOWN))
-            traced = traced if self._tried is None else min(traced, round(self._tried))
-            self.record.rays += traced * self.plan.light_points
+            per_emitter, rays = self._lamps.direct(hits, self.plan.light_points, seed, self._aiming.points)
+            self.record.rays += rays
         with self.record.timed("exchange"):
             exchange = self._exchange(hits, seed)
             self.record.defects.append(exchange.defects)
@@ -182,6 +155,19 @@ class SurfaceSolver:
                 coarse = self._coarse(exchange, reflectance, direct, irradiance)
             elif companion == EXCHANGE:
                 coarse = self._with_half_the_rays(hits, seed, reflectance, direct, irradiance)
+        light = self._looked_up(hits, exchange.element_area, row_direct, reflectance, irradiance)
+        change = None if coarse is None else self.device.upload(reflectance * (coarse - irradiance))
+        return replace(light, change=change, changed_by=companion)
+
+    def _looked_up(
+        self,
+        hits: RowHits,
+        area: NDArray[np.float64],
+        row_direct: DeviceArray,
+        reflectance: NDArray[np.float32],
+        irradiance: NDArray[np.float32],
+    ) -> SurfaceLight:
+        """The light of a replicate as paths look it up."""
         return SurfaceLight(
             columns=self.plan.columns,
             reflectance=self.light.reflectance_on_device,
@@ -189,14 +175,12 @@ class SurfaceSolver:
             emission=self.light.emission,
             emission_on_device=self.light.emission_on_device,
             reflected=self.device.upload(reflectance * irradiance + self._row_glow),
-            row_size=self.device.upload(self._lookup_size(hits, exchange.element_area, reflectance, irradiance)),
+            row_size=self.device.upload(self._lookup_size(hits, area, reflectance, irradiance)),
             sky=self.light.sky_on_device,
-            emitter_choice=drawn_at_hits(self.on_device, row_direct, self._clear_light, self.light.emission),
+            emitter_choice=self._lamps.choice(row_direct),
             row_direct=row_direct,
             weight=self.light.weight_on_device,
             row_space=self.space,
-            change=None if coarse is None else self.device.upload(reflectance * (coarse - irradiance)),
-            changed_by=companion,
         )
 
     def _lookup_size(

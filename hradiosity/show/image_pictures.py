@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from time import perf_counter
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -113,30 +113,37 @@ def write_images(
     images, finished, interrupted = _images(solution, on_device, views, image_options, progress)
     traced = perf_counter() - traced
     make_folder(folder)
-    white_name = white_of(solution.scene, options.white)
-    white = options.white_luminance or white_luminance([white_name.shown(_dull(i)).astype(np.float32) for i in images])
-    scale = scale_of(options, [_seen(image, options.quantity) for image in images])
-    entries = [
-        write_image(folder, image, solution.scene.name, white_name, white, scale, complete=number < finished)
-        for number, image in enumerate(images)
-    ]
     record = {
-        "exposure": {
-            "white_luminance_cd_m2": white,
-            "rule": "as asked for"
-            if options.white_luminance is not None
-            else "1 in 100 pixels that do not shine is brighter, all views together",
-            "colours": f"{white_name.words}; clipped, no tone curve",
-        },
-        "false_color": scale.record(),
+        **_written(solution, folder, images, finished, options),
         "noise_asked_for": image_options.noise,
         "seconds": traced,
         "points": sum(_size(image.view) * image.samples for image in images),
-        "pictures": entries,
         "notes": [str(note) for note in notes],
     }
     write_record(folder, record)
     return PictureSet((), record, notes), interrupted
+
+
+def _written(
+    solution: Solution, folder: Path, images: Sequence[Image], finished: int, options: PictureOptions
+) -> dict[str, Any]:
+    """Write all images with one exposure and one scale; what ``pictures.json`` says of them."""
+    white_name = white_of(solution.scene, options.white)
+    white = options.white_luminance or white_luminance([white_name.shown(_dull(i)).astype(np.float32) for i in images])
+    scale = scale_of(options, [_seen(image, options.quantity) for image in images])
+    chosen = options.white_luminance is not None
+    return {
+        "exposure": {
+            "white_luminance_cd_m2": white,
+            "rule": "as asked for" if chosen else "1 in 100 pixels that do not shine is brighter, all views together",
+            "colours": f"{white_name.words}; clipped, no tone curve",
+        },
+        "false_color": scale.record(),
+        "pictures": [
+            write_image(folder, image, solution.scene.name, white_name, white, scale, complete=number < finished)
+            for number, image in enumerate(images)
+        ],
+    }
 
 
 def _images(

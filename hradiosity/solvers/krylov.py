@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -53,36 +54,28 @@ def solve_irradiance(
         Called after each step.
     """
     before, cpu = operator.products, time.process_time()
-    reflectance, direct = reflectance.astype(operator.dtype), direct.astype(operator.dtype)
-    root = np.sqrt(reflectance)
-    area = operator.root_area[:, None]
-    emitted = area * root * direct
-    rhs = root * operator.apply(root * emitted)
+    system = _Symmetric.of(operator, reflectance, direct)
     sets = Sets(operator.component)
-    vectors = vectors_for(operator, root, sets)
-    coarse = None if deflation is None or deflation.shape[1] == 0 else CoarseSpace(vectors, root, deflation)
-    brightness = sets.largest(rhs)
+    vectors = vectors_for(operator, system.root, sets)
+    coarse = None if deflation is None or deflation.shape[1] == 0 else CoarseSpace(vectors, system.root, deflation)
+    brightness = sets.largest(system.rhs)
     per_set = np.divide(1.0, brightness, out=np.ones_like(brightness), where=brightness > 0.0)
-    guess = np.zeros_like(rhs)
-    if start is not None:
-        # Where nothing can arrive, a guess would only shrink, and never become small beside the light there.
-        lit = operator.linked[:, None] & (brightness > 0.0)
-        guess = np.where(lit, area * root * start, guess)
-    measure = Measure(sets, rhs * per_set, emitted * per_set, operator.root_area**2)
-
-    def irradiance(found: Columns) -> Columns:
-        return direct + operator.inverse_root_area[:, None] * operator.apply(root * (emitted + found * brightness))
+    guess = system.guess(start, brightness)
+    measure = Measure(sets, system.rhs * per_set, system.emitted * per_set, operator.root_area**2)
 
     def step(residual: float, found: Any) -> None:
         if watch is not None:
             counted = operator.products
-            watch(Progress("cg", counted - before + 1, residual, lambda: irradiance(vectors.get(found))))
+            shown = Progress(
+                "cg", counted - before + 1, residual, lambda: system.irradiance(vectors.get(found) * brightness)
+            )
+            watch(shown)
             operator.products = counted
 
     solution, residual = _conjugate_gradients(
-        vectors, rhs * per_set, guess * per_set, coarse, measure, tolerance, max_iterations, step
+        vectors, system.rhs * per_set, guess * per_set, coarse, measure, tolerance, max_iterations, step
     )
-    result = irradiance(vectors.get(solution))
+    result = system.irradiance(vectors.get(solution) * brightness)
     convergence = Convergence(
         residual=tuple(residual),
         converged=min(residual) <= tolerance,
@@ -92,6 +85,43 @@ def solve_irradiance(
         seconds=time.process_time() - cpu,
     )
     return Solved(result, convergence)
+
+
+@dataclass(frozen=True)
+class _Symmetric:
+    """(I − R½ S R½) w = R½ S R½ b, see `solve_irradiance`.
+
+    direct : (n_rows, n_columns)
+    root : (n_rows, n_columns), R½
+    emitted, rhs : (n_rows, n_columns), b and the right-hand side
+    """
+
+    operator: ExchangeOperator
+    direct: Columns
+    root: Columns
+    emitted: Columns
+    rhs: Columns
+
+    @classmethod
+    def of(cls, operator: ExchangeOperator, reflectance: Columns, direct: Columns) -> _Symmetric:
+        reflectance, direct = reflectance.astype(operator.dtype), direct.astype(operator.dtype)
+        root = np.sqrt(reflectance)
+        emitted = operator.root_area[:, None] * root * direct
+        return cls(operator, direct, root, emitted, root * operator.apply(root * emitted))
+
+    def guess(self, start: Columns | None, brightness: Columns) -> Columns:
+        """First w, for an indirect irradiance; where nothing can arrive (no `brightness`), a guess would only shrink,
+        and never become small beside the light there.
+        """
+        if start is None:
+            return np.zeros_like(self.rhs)
+        lit = self.operator.linked[:, None] & (brightness > 0.0)
+        return np.where(lit, self.operator.root_area[:, None] * self.root * start, np.zeros_like(self.rhs))
+
+    def irradiance(self, found: Columns) -> Columns:
+        """E of a solution w."""
+        arriving = self.operator.apply(self.root * (self.emitted + found))
+        return self.direct + self.operator.inverse_root_area[:, None] * arriving
 
 
 def _conjugate_gradients(
