@@ -8,7 +8,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.plan import SpectralColumns
 from hradiosity.readings.interval import RunningMean, part_of
+from hradiosity.solution import Surfaces
+from hradiosity.solvers.result import Progress
 
 
 class RowMeans:
@@ -54,6 +57,23 @@ class RowMeans:
         self._indirect.add(share * (irradiance - direct))
         self._direct.add(share * direct)
         self._exposed.add(exposed)
+
+    def surfaces(self, columns: SpectralColumns, space: NDArray[np.int32]) -> Surfaces:
+        """What they say in bands; (n_rows,) space that each row looks into."""
+        direct = self.direct
+        return Surfaces(
+            irradiance=columns.to_bands(self.indirect + direct),
+            direct=columns.to_bands(direct),
+            space=space,
+            exposed=self.exposed,
+        )
+
+    def surfaces_with(self, progress: Progress, columns: SpectralColumns, space: NDArray[np.int32]) -> Surfaces:
+        """As `surfaces`, with what the solver of a further replicate has so far; without the direct part."""
+        now, before = columns.to_bands(progress.irradiance()), columns.to_bands(self.indirect + self.direct)
+        mean = (self.count * before + now) / (self.count + 1)
+        exposed = self.exposed if self.count else np.ones(len(space))
+        return Surfaces(irradiance=mean, direct=np.zeros_like(mean), space=space, exposed=exposed)
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -273,29 +274,14 @@ class SurfaceSolver:
 
     def surfaces(self) -> Surfaces:
         """Mean over the replicates so far, each row's over those parts of it that its rays found exposed."""
-        to_bands = self.plan.columns.to_bands
-        direct = self.iteration.means.direct
-        return Surfaces(
-            irradiance=to_bands(self.iteration.means.indirect + direct),
-            direct=to_bands(direct),
-            space=self.space,
-            exposed=self.iteration.means.exposed,
-        )
+        return self.iteration.means.surfaces(self.plan.columns, self.space)
 
     def _show(self, progress: Progress) -> None:
         """Let whoever watches have a look."""
         if self.watch is not None:
-            done = self.iteration.means.count
-            self.watch(Glimpse(self.scene, self.elements, progress, done, lambda: self._surfaces_with(progress)))
-
-    def _surfaces_with(self, progress: Progress) -> Surfaces:
-        """As `surfaces`, with what the solver of this replicate has so far; without the direct part."""
-        done, to_bands = self.iteration.means.count, self.plan.columns.to_bands
-        now = to_bands(progress.irradiance())
-        before = to_bands(self.iteration.means.indirect + self.iteration.means.direct)
-        exposed = self.iteration.means.exposed if done else np.ones(len(self.elements))
-        mean = (done * before + now) / (done + 1)
-        return Surfaces(irradiance=mean, direct=np.zeros_like(mean), space=self.space, exposed=exposed)
+            means, found = self.iteration.means, (self.plan.columns, self.space)
+            light = partial(means.surfaces_with, progress, *found)
+            self.watch(Glimpse(self.scene, self.elements, progress, means.count, light))
 
     def checkpoint(self) -> dict[str, NDArray[Any]]:
         """Everything that `restore` needs beside the constructor's arguments."""
