@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +12,11 @@ from scipy.sparse import csr_array
 from hradiosity.radiosity.shooting import ShootingRows, over_area
 from hradiosity.solvers.southwell import ShootingSystem
 
-BATCH = 256
+WEIGHT: Final = 1.4
+"""Times the change by patches of twice the size that stands for what smaller ones would still change: errors fall with
+the edge to the power 0.8, about. Chosen on one half of the scenes of `hradiosity.suites.coverage`, where 93 % of the
+intervals then hold; 96 % do on the other half."""
+BATCH: Final = 256
 """Coarse patches whose parts' rows are joined at a time."""
 
 
@@ -47,7 +52,7 @@ class ClassicCompanion:
     def change(
         self, irradiance: NDArray[np.float64], coarse: NDArray[np.float64], area: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """(n_rows, n_columns) irradiance of the coarser element that each is part of, less its own.
+        """(n_rows, n_columns) irradiance of the coarser element that each is part of, less its own, times `WEIGHT`.
 
         Parameters
         ----------
@@ -60,7 +65,7 @@ class ClassicCompanion:
         """
         n = int(self.row.max(initial=-1)) + 1
         found = means(self.row, area, coarse, n)[self.row] - irradiance
-        return np.where(area[:, None] > 0.0, found, 0.0)
+        return np.where(area[:, None] > 0.0, WEIGHT * found, 0.0)
 
     def _exchange(self, rows: ShootingRows, n: int, shoots: NDArray[np.bool_]) -> csr_array:
         """(n, n) exchange areas of the coarser patches; empty rows where nothing is reflected."""
