@@ -37,7 +37,8 @@ class Options:
 
     elements : row elements that the lit area is cut into, about; small patches and the mean free path bound it
     element_size : edge of a row element [m], instead
-    rays_per_element : exchange rays from each row element, all replicates together, at least 16 in each
+    rays_per_element : exchange rays from each row element, all replicates together, 16 in each or more; down to half as
+        many where there are more than four times as many elements as asked for and light is not reflected often
     light_points : points on each row element from which a ray goes to each emitter, all replicates together
     light_samples : shadow rays from a reading to each emitter, all replicates together; as many as to eight emitters in
         all where there are more of them

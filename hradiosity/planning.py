@@ -26,6 +26,11 @@ LEAST_SHARE, LARGEST_SHARE = 0.05, 0.2
 
 SHARED_BY = 8
 """Emitters that each get all the shadow rays asked for; more share as many as these have together."""
+MANY_TIMES, LEAST_RAYS_SHARE = 4, 0.5
+"""Times the elements asked for from which on each sends fewer rays, and the least part of them."""
+FEW_REFLECTIONS = 0.7
+"""Mean reflectance in any band up to which they do: the closure of rows has an error of one over the rays of each,
+which grows with the number of reflections."""
 MOST_BY_PATH = 64_000
 """Elements that the free path may ask for: between two plates as wide as a field it is short."""
 MOST_TIMES, ANYWAY = 16, 2000
@@ -143,7 +148,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
         n_elements=n_elements,
         elements_asked=options.elements if options.element_size is None else 0,
         size_bound=size_bound,
-        rays_per_element=max(16, -(-options.rays_per_element // replicates)),
+        rays_per_element=max(16, -(-_rays_per_element(scene, options, lit, n_elements) // replicates)),
         light_points=-(-options.light_points // replicates),
         light_samples=_light_samples(options, int(np.count_nonzero(~weak))),
         gather_samples=-(-options.gather_samples // replicates),
@@ -155,6 +160,20 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
         solver=_solver_name(options) if interreflection.needed else "",
     )
     return sized(plan, n_elements)
+
+
+def _rays_per_element(scene: Scene, options: Options, lit: LitSides, n_elements: int) -> int:
+    """Of all replicates. A reading's noise falls with the rays of all elements together: where there are far more
+    elements than were asked for, each needs fewer of them. Not where light is reflected often, see `FEW_REFLECTIONS`.
+    """
+    if n_elements <= MANY_TIMES * options.elements:
+        return options.rays_per_element
+    weight = scene.patches.area * lit.lit.sum(axis=1)
+    reflected = np.einsum("p,pb->b", weight, scene.reflectance[scene.patches.material]) / weight.sum()
+    if float(reflected.max(initial=0.0)) > FEW_REFLECTIONS:
+        return options.rays_per_element
+    share = max((MANY_TIMES * options.elements / n_elements) ** 0.5, LEAST_RAYS_SHARE)
+    return int(np.ceil(share * options.rays_per_element))
 
 
 def _element_size(area: float, options: Options, free_path: float) -> tuple[float, str]:

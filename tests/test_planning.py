@@ -176,3 +176,13 @@ def test_a_size_within_bounds_or_forced_needs_no_word(options):
     assert not [line for line in plan.lines() if line.startswith("elements:")]
     if options.element_size:
         assert plan.element_size == options.element_size
+
+
+@pytest.mark.parametrize(
+    ("reflectance", "edge", "rays"), [(0.5, 0.02, 32), (0.5, 0.12, 56), (0.5, 0.2, 64), (0.8, 0.02, 64)]
+)
+def test_many_times_the_elements_asked_for_send_fewer_rays_each_but_for_bright_rooms(reflectance, edge, rays):
+    """√(4 · 80/423) of 64 are 56; half of them at the least."""
+    scene = room([np.full(BANDS, reflectance)], [np.ones(BANDS)])
+    options = Options(elements=80, element_size=edge, rays_per_element=512)
+    assert make_plan(scene, options, lit_cube(scene)).rays_per_element == rays

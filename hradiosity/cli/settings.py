@@ -46,7 +46,7 @@ class Settings:
     element_size
         Edge of an element in metres, instead.
     rays_per_element
-        Exchange rays from each element, all replicates together.
+        Exchange rays from each element, all replicates together; fewer where elements are many times those asked for.
     light_points
         Points on each element from which a shadow ray goes to each lamp, all replicates together.
     gather_samples
