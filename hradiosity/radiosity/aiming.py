@@ -72,6 +72,11 @@ class Aiming:
         self.points = None if points is None else scene.device.upload(points)
         return self.aims is not None or self.points is not None
 
+    @property
+    def spots(self) -> NDArray[np.float64]:
+        """(n, 3) middles of the spots that rays are aimed at, in the ray structure's frame [m]."""
+        return np.zeros((0, 3)) if self.aims is None else self.aims.aims.spot[:, :3].astype(np.float64)
+
     def checkpoint(self, device: Device) -> dict[str, NDArray[Any]]:
         """What `restore` needs."""
         kept: dict[str, NDArray[Any]] = {"aimed": np.array(self.done)}

@@ -182,6 +182,7 @@ class SurfaceSolver:
             row_direct=row_direct,
             weight=self.light.weight_on_device,
             row_space=self.space,
+            spots=self._aiming.spots,
         )
 
     def _lookup_size(

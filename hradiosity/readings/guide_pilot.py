@@ -40,30 +40,35 @@ def make_guides(pilot: PilotLight, other: NDArray[np.float64], n_paths: int) -> 
     cuts = Cuts([Blocks.whole(n)])
     found = pilot.everywhere().ravel()
     least = CONTRAST * min(CONTRAST_PATHS / n_paths, 1.0) * (found.reshape(n, -1).mean(axis=1) + other)
+    known = pilot.known_parts()
     for times in (1.0, ACROSS**2):
-        blocks, light = _followed(pilot, cuts, found, times * least)
+        blocks, light = _followed(pilot, cuts, found, times * least, known)
+        known = known[:0]
         cuts = Cuts([*cuts.blocks, blocks])
         found = np.append(found, light)
     return guides_of(cuts, found)
 
 
 def _followed(
-    pilot: PilotLight, cuts: Cuts, found: NDArray[np.float64], least: NDArray[np.float64]
+    pilot: PilotLight, cuts: Cuts, found: NDArray[np.float64], least: NDArray[np.float64], known: NDArray[np.int64]
 ) -> tuple[Blocks, NDArray[np.float64]]:
-    """Finest parts with contrasts of more than `least`, (n,), and those with contrasts to what is found in these.
+    """Finest parts with contrasts of more than `least`, (n,), and those with contrasts to what is found in these; also
+    those of which it is known that light may come from there, by their places among the values.
 
     Returns what was found in their parts as well, (n_blocks, ACROSS, ACROSS).
     """
     level = len(cuts.blocks) - 1
     blocks, near = cuts.blocks[level], cuts.near[level]
     low, high = found.copy(), found.copy()
-    cut = np.zeros(len(found), np.bool_)
+    cut, wanted = np.zeros(len(found), np.bool_), np.zeros(len(found), np.bool_)
+    wanted[known] = True
     keys, lights = [np.zeros(0, np.int64)], [np.zeros((0, ACROSS, ACROSS))]
     active = np.arange(len(near))
     for step in range(ROUNDS):
         around = near[active]
         contrast = spread(high[around], low[around]) > least[blocks.point[active], None, None]
-        row, y, x = np.nonzero(contrast & ~cut[around[:, 1:-1, 1:-1]])
+        inside = around[:, 1:-1, 1:-1]
+        row, y, x = np.nonzero((contrast | wanted[inside]) & ~cut[inside])
         if not len(row):
             break
         block = active[row]

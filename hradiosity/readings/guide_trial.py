@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from hradiosity.readings.guide import SIDE, DeviceGuides, Guides
 from hradiosity.readings.guide_pilot import make_guides
+from hradiosity.readings.guide_seeds import parts_towards
 from hradiosity.readings.path_tracing import PathRules, reflected_light, trace_paths, upload_points
 from hradiosity.readings.pilot_light import PilotLight, brightness_met
 from hradiosity.readings.surface_light import SurfaceLight
@@ -43,6 +44,8 @@ def guides_that_pay(
 ) -> Guides:
     """Guides of all readings, or even ones where paths in place of the guides' rays would bring more.
 
+    Where much of the light passes few spots, no trial is needed.
+
     Parameters
     ----------
     position, normal : (n, 3) float64
@@ -61,7 +64,9 @@ def guides_that_pay(
 
     def made(some: NDArray[np.int64], its_seed: int) -> Guides:
         points = upload_points(scene, position[some], normal[some])
-        return make_guides(PilotLight(scene, elements, points, bright, its_seed), other[some], n_paths)
+        place = scene.bvh.to_local(position[some]).astype(np.float64)
+        known = parts_towards(place, normal[some], light.spots)
+        return make_guides(PilotLight(scene, elements, points, bright, its_seed, known), other[some], n_paths)
 
     def tried_paths(some: NDArray[np.int64], guide: DeviceGuides | None) -> Tried:
         points = upload_points(scene, position[some], normal[some], None if response is None else response[some])
@@ -72,7 +77,7 @@ def guides_that_pay(
             sums[number] = reflected_light(scene, paths, light)[1].T / n_paths
         return Tried.of(sums)
 
-    if n >= 4 * TRIED and replicates < np.inf:
+    if n >= 4 * TRIED and replicates < np.inf and not len(light.spots):
         some = np.unique(np.linspace(0, n - 1, TRIED).astype(np.int64))
         guided, even = tried_paths(some, made(some, seed).upload(scene.device)), tried_paths(some, None)
         points = upload_points(scene, position[some], normal[some])

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -73,6 +73,7 @@ class PilotLight:
     """Brightness that rays from points bring.
 
     bright : (n_rows + 2,) float64, see `brightness_met`
+    known : (n, n_places) int64, parts of each hemisphere that lead to places that pass much light, −1 for none
     """
 
     scene: DeviceScene
@@ -80,6 +81,12 @@ class PilotLight:
     points: Points
     bright: NDArray[np.float64]
     seed: int
+    known: NDArray[np.int64] = field(default_factory=lambda: np.zeros((0, 0), np.int64))
+
+    def known_parts(self) -> NDArray[np.int64]:
+        """Places of what is known among the values of `everywhere`."""
+        point, place = np.nonzero(self.known >= 0)
+        return np.unique(point * SIDE**2 + self.known[point, place])
 
     def everywhere(self) -> NDArray[np.float64]:
         """(n_points, SIDE, SIDE) in each part of the hemisphere."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +31,7 @@ class SurfaceLight:
     change : (n_rows, 8 n_groups) float32 on the device, what a companion with coarser settings would add to
         `reflected`; None where there is none
     changed_by : part of the intervals that the change tells about, "mesh" or "exchange"
+    spots : (n_spots, 3) float64, middles of places that pass much of the light, in the ray structure's frame [m]
     """
 
     columns: SpectralColumns
@@ -47,6 +48,7 @@ class SurfaceLight:
     row_space: NDArray[np.int32]
     change: DeviceArray | None = None
     changed_by: str = MESH
+    spots: NDArray[np.float64] = field(default_factory=lambda: np.zeros((0, 3)))
 
     @property
     def nbytes(self) -> int:

@@ -95,7 +95,9 @@ def test_a_replicate(device, bands):
     sensor, few = scene.sensors[0], np.array([4, 2])
     points = upload_points(solver.on_device, sensor.position, sensor.normal)
     place = solver.on_device, solver.on_device_elements
-    guides = make_guides(PilotLight(*place, points, brightness_met(*place, light), 1), np.zeros(2), 512)
+    guides = make_guides(
+        PilotLight(*place, points, brightness_met(*place, light), 1, np.zeros((2, 0), int)), np.zeros(2), 512
+    )
     assert len(guides.key) > 0
     rays = np.repeat([[4.0], [0.5]], solver.on_device.n_emitters, axis=1)
     samples = read_points(

@@ -24,8 +24,11 @@ from hradiosity.transport.device_scene import upload_scene
 class MadeUpPilot:
     """Brightness light(point, u, v) at a random place of each part of the square."""
 
-    def __init__(self, n, light):
-        self.n, self.light, self.rng = n, light, np.random.default_rng(3)
+    def __init__(self, n, light, known=()):
+        self.n, self.light, self.rng, self.known = n, light, np.random.default_rng(3), known
+
+    def known_parts(self):
+        return np.array(self.known, np.int64)
 
     def everywhere(self):
         point = np.arange(self.n)
@@ -49,6 +52,18 @@ def uncut(brightness):
 def slanting_gap(point, u, v):
     """A strip a thousand times as bright as the rest, a tenth of a part wide; not in the second hemisphere."""
     return np.where((np.abs(v - 0.3 - 0.37 * u) < 0.0016) & (u < 0.6) & (point != 1), 1000.0, 1.0)
+
+
+def test_what_is_known_is_looked_at():
+    """A spot that fills a sixth of a part, which the one ray to it misses, gets paths if that part is known."""
+    at = 0.5 + 0.5 / SIDE
+
+    def spot(point, u, v):
+        return np.where(np.maximum(np.abs(u - at), np.abs(v - at)) < 0.2 / SIDE, 1e4, 1.0)
+
+    part = SIDE // 2 * SIDE + SIDE // 2
+    shares = [make_guides(MadeUpPilot(1, spot, known), np.zeros(1), 512).share[0, part] for known in ((), (part,))]
+    assert shares[0] < 2.0 / SIDE**2 and shares[1] > 0.5
 
 
 def gap_guides():
