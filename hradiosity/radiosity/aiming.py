@@ -43,6 +43,7 @@ class Aiming:
         hits: RowHits,
         worth: RayWorth,
         emission: NDArray[np.float64],
+        clear: NDArray[np.float32] | None,
         sight: NDArray[np.uint8] | None,
         *,
         n_points: int,
@@ -58,6 +59,8 @@ class Aiming:
         worth : RayWorth
         emission : (n_emitters,) float64
             Brightness.
+        clear : (n_rows, n_emitters) float32, optional
+            What emitters would send without obstacles; points stay as they are where elements try some lamps only.
         sight : (n_rows, n_emitters) uint8, optional
         n_points : int
             Of direct light, in the plan.
@@ -66,10 +69,11 @@ class Aiming:
         tolerance = TOLERANCE * replicates**0.5
         aims, self.rays = find_aims(scene, rows, hits, worth, seed, tolerance=tolerance)
         self.aims = None if aims is None else aims.upload(scene.device)
-        its_worth = worth.wanted * rows.elements.area
-        pilot = seed ^ 0x85EBCA6B
-        points = points_by_worth(scene, rows, emission, sight, its_worth, n_points, pilot, tolerance=tolerance)
-        self.points = None if points is None else scene.device.upload(points)
+        if clear is not None:
+            its_worth = worth.wanted * rows.elements.area
+            error = its_worth[:, None] * clear * emission
+            points = points_by_worth(scene, rows, clear, error, sight, n_points, seed ^ 0x85EBCA6B, tolerance=tolerance)
+            self.points = None if points is None else scene.device.upload(points)
         return self.aims is not None or self.points is not None
 
     @property

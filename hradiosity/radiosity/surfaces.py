@@ -239,6 +239,7 @@ class SurfaceSolver:
             hits,
             worth,
             light.emission,
+            None if self._lamps.chance is not None else self.device.fetch(self._lamps.clear),
             self.sight,
             n_points=self.plan.light_points,
             replicates=self.plan.replicates,

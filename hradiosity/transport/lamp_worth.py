@@ -12,7 +12,6 @@ from hradiosity.space.shafts import UNKNOWN
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import RowHits
-from hradiosity.transport.lamp_choice import light_without_obstacles
 
 PILOT_POINTS: Final = 8
 FURTHER_POINTS: Final = 24
@@ -26,9 +25,9 @@ MOST_TIMES: Final = 64.0
 def points_by_worth(
     scene: DeviceScene,
     elements: DeviceElements,
-    emission: NDArray[np.float64],
-    sight: NDArray[np.uint8] | None,
+    clear: NDArray[np.float32],
     worth: NDArray[np.float64],
+    sight: NDArray[np.uint8] | None,
     n_points: int,
     seed: int,
     *,
@@ -40,12 +39,12 @@ def points_by_worth(
 
     Parameters
     ----------
-    emission : (n_emitters,) float64
-        Brightness.
+    clear : (n_rows, n_emitters) float32
+        Irradiance for unit emission if nothing were in the way.
+    worth : (n_rows, n_emitters) float64
+        Change of the mean reading, relative to it, by that light.
     sight : (n_rows, n_emitters) uint8, optional
         What shafts proved.
-    worth : (n_rows,) float64
-        Change of the mean reading, relative to it, by the brightness of a row's irradiance.
     seed : int
         Of the pilot, which replicates have no part in: their light stays without bias.
     tolerance : float
@@ -54,16 +53,15 @@ def points_by_worth(
     n_rows = len(elements.elements)
     if not scene.occlusion or n_rows == 0 or scene.n_emitters == 0:
         return None
-    clear = light_without_obstacles(scene, elements).astype(np.float64)
     doubt = clear > 0.0 if sight is None else (clear > 0.0) & (sight == UNKNOWN)
-    error = np.where(doubt, worth[:, None] * clear * emission, 0.0)
+    error = np.where(doubt, worth, 0.0)
     if float((error**2).sum()) / (4.0 * n_points) <= tolerance**2:
         return None
     seen = _seen(scene, elements, PILOT_POINTS, seed, doubt)
     again = doubt & (seen == 0.0)
     more = _seen(scene, elements, FURTHER_POINTS, seed + 1, again)
     seen += np.where(again, more * FURTHER_POINTS / (PILOT_POINTS + FURTHER_POINTS), 0.0)
-    open_share = np.clip(np.divide(seen, clear, out=np.zeros_like(clear), where=clear > 0.0), 0.0, 1.0)
+    open_share = np.clip(np.divide(seen, clear, out=np.zeros_like(seen), where=clear > 0.0), 0.0, 1.0)
     rays = np.where(again, PILOT_POINTS + FURTHER_POINTS, PILOT_POINTS)
     likely = np.where(open_share > 0.0, np.minimum(open_share, 1.0 - 0.5 / rays), 0.0)
     error *= np.sqrt(likely * (1.0 - likely))

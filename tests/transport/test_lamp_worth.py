@@ -2,17 +2,17 @@
 
 import numpy as np
 import pytest
-from test_lamp_doubt import EMISSION, floor_behind_a_wall
+from test_lamp_doubt import floor_behind_a_wall
 
 from hradiosity.transport.direct import direct_on_rows
 from hradiosity.transport.exchange import trace_rows
+from hradiosity.transport.lamp_choice import light_without_obstacles
 from hradiosity.transport.lamp_worth import EXTRA, MOST_TIMES, points_by_worth
-
-BRIGHT = EMISSION.mean(axis=1).astype(float)
 
 
 def points_of(scene, elements, worth, tolerance=0.0):
-    return points_by_worth(scene, elements, BRIGHT, None, worth, 4, 1, tolerance=tolerance)
+    clear = light_without_obstacles(scene, elements)
+    return points_by_worth(scene, elements, clear, worth[:, None] * clear, None, 4, 1, tolerance=tolerance)
 
 
 def test_points_follow_worth(device):
