@@ -123,7 +123,8 @@ def next_step(found: Accuracies, accuracy: float, options: Options, held: Held, 
     found = with_noise_of_elements(found, held)
     off = in_the_way(found, accuracy, options, held)
     remedy = cheapest_remedy(found, accuracy, options, held, lacking)
-    step = _step(found, accuracy, _with_remedy(remedy, found, accuracy, options), remedy, held, lacking, options)
+    following = _with_remedy(remedy, found, accuracy, options, held.edge)
+    step = _step(found, accuracy, following, remedy, held, lacking, options)
     if step is None or ahead or not (step.larger or (step.lookup != held.lookup).any()):
         return step
     needed = goes_needed(found, accuracy, held)
@@ -145,8 +146,14 @@ def with_noise_of_elements(found: Accuracies, held: Held) -> Accuracies:
     return replace(found, common=np.where(held.steps >= MOST_STEPS, found.sampling, found.common))
 
 
-def _with_remedy(remedy: Remedy, found: Accuracies, accuracy: float, options: Options) -> Options:
-    """Elements and rays as a remedy says, and a tolerance for the readings in whose way that is."""
+def _with_remedy(remedy: Remedy, found: Accuracies, accuracy: float, options: Options, edge: float) -> Options:
+    """Elements and rays as a remedy says, and a tolerance for the readings in whose way that is.
+
+    Smaller elements are asked for by their edge: a number of them only counts down to a share of the mean free path,
+    which is too coarse for readings beside a gap.
+    """
+    if remedy.elements > 1.0 and options.element_size is None and edge > 0.0:
+        options = replace(options, element_size=edge)
     larger = grown(options, elements=remedy.elements, rays=remedy.rays)
     off = (found.total > accuracy) & (found.fixed > FIXED_SHARE * accuracy)
     looser = float(found.other[off].max(initial=0.0)) / (OTHER_SHARE * accuracy)

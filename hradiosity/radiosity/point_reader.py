@@ -141,15 +141,15 @@ class PointReader:
         of_points = np.maximum(self._point_noise, of_all)
         return self._moments.planes.mean(of_points)
 
-    def held(self, found: Accuracies | None = None, elements: int = 0) -> Held:
+    def held(self, found: Accuracies | None = None, elements: int = 0, edge: float = 0.0) -> Held:
         """What the readings have had in each replicate, all of them or all but those of a step.
 
         Parameters
         ----------
         found : Accuracies, optional
             Of the readings as they are, which tells what samples are worth.
-        elements : int
-            That there are.
+        elements, edge : int, float
+            That there are, and their edge [m].
         """
         planes = self._moments.planes
         n = len(planes.count)
@@ -160,7 +160,8 @@ class PointReader:
         one_go = self._one_go
         if found is not None:
             one_go = np.where(steps == 0, found.own**2 * times, one_go)
-        return Held(paths, times, self._lookup[first], steps, one_go, self._tried.lookups.some(first), elements)
+        lookups = self._tried.lookups.some(first)
+        return Held(paths, times, self._lookup[first], steps, one_go, lookups, elements, edge)
 
     def try_lookups(self, readings: NDArray[np.bool_], on: ReplicateLight) -> int:
         """Find out what later lookups would do to some of the readings (n_readings,); returns the number of rays."""

@@ -56,6 +56,7 @@ class Held:
     lookups : Lookups
         What later lookups would do to them.
     elements : that there are, which may be far fewer than were asked for
+    edge : of an element [m]; 0 where it is not known
     """
 
     paths: NDArray[np.float64]
@@ -65,6 +66,7 @@ class Held:
     one_go: NDArray[np.float64]
     lookups: Lookups
     elements: int = 0
+    edge: float = 0.0
 
     def some(self, chosen: NDArray[np.int64]) -> Held:
         """That of some of the readings."""
@@ -76,6 +78,7 @@ class Held:
             one_go=self.one_go[chosen],
             lookups=self.lookups.some(chosen),
             elements=self.elements,
+            edge=self.edge,
         )
 
     def price(self, times: NDArray[np.float64], lookup: NDArray[np.int64]) -> float:
@@ -111,9 +114,7 @@ def cheapest_remedy(
     chosen = np.flatnonzero(lacking)
     some = _Lacking.of(found, accuracy, options, held, chosen)
     trials = [
-        some.trial(elements, rays)
-        for elements in _element_growths(options, held.elements)
-        for rays in _rays_growths(options)
+        some.trial(elements, rays) for elements in _element_growths(options, held) for rays in _rays_growths(options)
     ]
     best = min(trials, key=lambda trial: (trial.out_of_reach, trial.price))
     goes, lookup = np.zeros(len(held.times)), held.lookup.copy()
@@ -214,10 +215,11 @@ def _elements_price(elements: float, rays: float, before: int) -> float:
     return (1.0 - RAYS_PRICE + RAYS_PRICE * rays) * ELEMENT_PATHS * elements * before
 
 
-def _element_growths(options: Options, elements: int) -> list[float]:
+def _element_growths(options: Options, held: Held) -> list[float]:
     """Of the number of elements, from 1 on: only 1 where more don't come of it."""
-    most = min(MOST_GROWTH, MOST_ELEMENTS / max(elements, 1))
-    if options.element_size is None and options.elements > SATURATED * elements > 0:
+    most = min(MOST_GROWTH, MOST_ELEMENTS / max(held.elements, 1))
+    by_edge = options.element_size is not None or held.edge > 0.0
+    if not by_edge and options.elements > SATURATED * held.elements > 0:
         most = 1.0
     return [float(growth) for growth in 2.0 ** np.arange(0.0, 8.25, 0.5) if growth <= max(most, 1.0)]
 

@@ -30,6 +30,7 @@ from hradiosity.radiosity.checkpoint import (
 from hradiosity.radiosity.pacer import Pacer
 from hradiosity.radiosity.point_reader import PointReader
 from hradiosity.radiosity.record import Record
+from hradiosity.radiosity.remedy import Held
 from hradiosity.radiosity.round import TOO_FEW, Round
 from hradiosity.radiosity.rounds import Rounds
 from hradiosity.radiosity.state import State
@@ -149,7 +150,7 @@ class RadiositySolver:
         """Whether the replicates so far were given up for larger ones, or for ones on smaller elements."""
         larger = self._pacer.filling(self._reader.count, self._elapsed())
         if larger is None and not self.reads_again:
-            held = self._reader.held(self._found(), self._elements_by_size())
+            held = self._held(self._found())
             larger = self._pacer.finer(self._found(), self._reader.count, held, self._elapsed())
         if larger is None:
             return False
@@ -162,17 +163,20 @@ class RadiositySolver:
         """Elements that an accuracy may call for more of."""
         return len(self._prepare().elements)
 
+    def _held(self, found: Accuracies | None) -> Held:
+        """What the readings have had, and the elements that they were read on."""
+        return self._reader.held(found, self._elements_by_size(), self._prepare().plan.element_size)
+
     def _takes_step(self) -> bool:
         """Whether there is something to do for readings that are not accurate enough; then the run is in that step."""
         found = self._found()
-        n_elements = self._elements_by_size()
-        held = self._reader.held(found, n_elements)
+        held = self._held(found)
         self._reader.learn(held)
         off = self._pacer.need_more_than_samples(found, self._reader.count, held)
         if off.any():
             with self._taken_back(), self.record.timed("readings"):
                 self.record.rays += self._reader.try_lookups(off, self._prepared().light(0))
-            held = self._reader.held(found, n_elements)
+            held = self._held(found)
         step = self._pacer.next_step(found, self._reader.count, held, self._elapsed())
         if step is None or (step.larger and not self._renew(step)):
             return False
@@ -417,7 +421,7 @@ class RadiositySolver:
         """Expected seconds to the end; None while nothing is known."""
         if self._step is not None:
             return self._pacer.remaining_of_steps(self._number, self._elapsed())
-        held = self._reader.held(found, self._elements_by_size())
+        held = self._held(found)
         return self._pacer.remaining(found, self._reader.count, held, self._elapsed())
 
     def _interval_parts(self) -> list[str]:

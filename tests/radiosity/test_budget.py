@@ -197,6 +197,16 @@ def test_elements_that_do_not_come_are_not_asked_for_again():
     assert most is None or most.options.elements <= 2_500_000
 
 
+def test_smaller_elements_are_asked_for_by_their_edge():
+    """A number of them is bounded by the room's size; an edge is not, and twice as many have 0.71 of it."""
+    off = found(np.full(4000, 0.005), mesh=0.04)
+    options = replace(SMALL, elements=2000)
+    larger = next_step(off, 0.01, options, replace(held(off, paths=1e4), edge=0.4))
+    growth = larger.options.elements / options.elements
+    assert larger.larger and growth > 4.0
+    assert larger.options.element_size == pytest.approx(0.4 / growth**0.5, rel=1e-3)
+
+
 def test_what_nothing_mends_is_left_and_the_run_ends():
     at_the_end = replace(SMALL, tolerance=1e-6)
     assert step_for(found([0.005], other=0.02), options=at_the_end) is None
@@ -273,22 +283,22 @@ def test_accuracy_is_reached_and_the_same_bits_come_again(device, accuracy):
     np.testing.assert_array_equal(results[0].irradiance, results[1].irradiance)
 
 
-def test_a_run_that_was_broken_off_in_a_step_goes_on(device, monkeypatch):
-    """With the same bits, though the light that it reads again has to be computed once more. Elements cost nothing."""
-    monkeypatch.setattr("hradiosity.radiosity.remedy.ELEMENT_PATHS", 1.0)
+@pytest.mark.parametrize(("stage", "price"), [("further samples", 400.0), ("larger replicates", 1.0)])
+def test_a_run_that_was_broken_off_in_a_step_goes_on(device, monkeypatch, stage, price):
+    """With the same bits, though the light that it reads again has to be computed once more."""
+    monkeypatch.setattr("hradiosity.radiosity.remedy.ELEMENT_PATHS", price)
     scene, options = furnished_room(), replace(SMALL, elements=60, accuracy=0.006)
     whole = RadiositySolver(scene, options, device)
     stages = [state.stage for state in whole.states()]
     expected = whole.solution().readings["s0"].irradiance
-    for stage in ("further samples", "larger replicates"):
-        first = RadiositySolver(scene, options, device)
-        for count, _ in enumerate(first.states()):
-            if count == stages.index(stage) + 3:
-                break
-        second = RadiositySolver(scene, options, device)
-        second.restore(first.checkpoint())
-        list(second.states())
-        np.testing.assert_array_equal(expected, second.solution().readings["s0"].irradiance)
+    first = RadiositySolver(scene, options, device)
+    for count, _ in enumerate(first.states()):
+        if count == stages.index(stage) + 3:
+            break
+    second = RadiositySolver(scene, options, device)
+    second.restore(first.checkpoint())
+    list(second.states())
+    np.testing.assert_array_equal(expected, second.solution().readings["s0"].irradiance)
 
 
 def test_illuminances_alone_tell_the_same_as_everything(device):
