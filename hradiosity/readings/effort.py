@@ -35,7 +35,8 @@ UNSEEN_RAYS = 0.5
 """Rays of a pilot that count as having seen a lamp when none did, or as having missed it when all saw it."""
 UNSEEN_AGAIN = 8
 """More rays to lamps that a pilot's rays all missed and that would outshine all other light, in such rays."""
-BISECTIONS = 50
+BISECTIONS = 30
+"""Of 24 powers of ten; samples go in steps of a factor 2."""
 
 
 @dataclass(frozen=True)

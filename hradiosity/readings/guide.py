@@ -87,8 +87,8 @@ class DeviceGuides:
 def guide_tables(share: NDArray[np.float32], side: int) -> NDArray[np.float32]:
     """(n, 4 + 16 + … + side²) shares (n, side²) of all levels, coarse ones first."""
     n = len(share)
-    levels = [share.astype(np.float64).reshape(n, side, side)]
+    levels = [np.ascontiguousarray(share, np.float32).reshape(n, side, side)]
     while levels[0].shape[1] > 2:
-        half = levels[0].shape[1] // 2
-        levels.insert(0, levels[0].reshape(n, half, 2, half, 2).sum(axis=(2, 4)))
-    return np.concatenate([level.reshape(n, level.shape[1] ** 2) for level in levels], axis=1).astype(np.float32)
+        rows = levels[0][:, ::2] + levels[0][:, 1::2]
+        levels.insert(0, rows[:, :, ::2] + rows[:, :, 1::2])
+    return np.concatenate([level.reshape(n, level.shape[1] ** 2) for level in levels], axis=1)

@@ -18,12 +18,14 @@ from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 
 GUIDED_AT_ONCE: Final = 1024
 """Readings whose guides are made at a time."""
-TRIED: Final = 32
-"""Readings of the trial, evenly from first to last; where there are fewer than four times as many, all are guided."""
-SETS: Final = 4
+TRIED: Final = (64, 128)
+"""Readings of the trial, evenly from first to last: one in `ONE_IN`, the second at most. All are guided where these are
+fewer than the first: a trial would take as long as it might save, and few readings tell little."""
+ONE_IN: Final = 16
+SETS: Final = 8
 """Independent sets of paths in the trial, each as large as a replicate's: well spread paths gain most where nothing
 guides them, which the variance of single paths does not tell."""
-GUIDE_RAY: Final = 0.35
+GUIDE_RAY: Final = 0.28
 """Price of a ray that a guide is made of, in paths, with what is made of it."""
 _SEED: Final = 0x632BE5AB
 
@@ -77,8 +79,8 @@ def guides_that_pay(
             sums[number] = reflected_light(scene, paths, light)[1].T / n_paths
         return Tried.of(sums)
 
-    if n >= 4 * TRIED and replicates < np.inf and not len(light.spots):
-        some = np.unique(np.linspace(0, n - 1, TRIED).astype(np.int64))
+    if n >= ONE_IN * TRIED[0] and replicates < np.inf and not len(light.spots):
+        some = np.linspace(0, n - 1, min(n // ONE_IN, TRIED[1])).astype(np.int64)
         guided, even = tried_paths(some, made(some, seed).upload(scene.device)), tried_paths(some, None)
         points = upload_points(scene, position[some], normal[some])
         seen = PilotLight(scene, elements, points, bright, seed ^ _SEED).everywhere().reshape(len(some), -1)

@@ -6,7 +6,7 @@ from rooms import SceneBuilder
 
 from hradiosity.options import Options
 from hradiosity.radiosity import RadiositySolver
-from hradiosity.readings.guide_trial import GUIDE_RAY, TRIED, Tried, pays
+from hradiosity.readings.guide_trial import GUIDE_RAY, ONE_IN, TRIED, Tried, pays
 
 
 def tried(of_set, of_path=0.3):
@@ -44,8 +44,9 @@ def test_a_box_of_one_paint_needs_none_and_a_room_behind_a_gap_does(device, wall
     if wall:
         b.box((2.0, 0, 0), (2.2, 3.8, 3), grey)
     b.lamp(b.patch((0.8, 0.8, 2.9), (0, 0.4, 0), (0.4, 0, 0), grey), 100.0)
-    places = np.column_stack([np.linspace(2.5, 3.8, 4 * TRIED), np.full(4 * TRIED, 0.7), np.full(4 * TRIED, 0.8)])
-    b.sensor(places, np.tile((0.0, 0.0, 1.0), (4 * TRIED, 1)))
-    solver = RadiositySolver(b.scene(), Options(elements=300, replicates=4, gather_samples=256), device)
+    n = ONE_IN * TRIED[0]
+    places = np.column_stack([np.linspace(2.5, 3.8, n), np.full(n, 0.7), np.full(n, 0.8)])
+    b.sensor(places, np.tile((0.0, 0.0, 1.0), (n, 1)))
+    solver = RadiositySolver(b.scene(), Options(elements=300, replicates=2, gather_samples=96), device)
     next(state for state in solver.states() if state.stage == "replicate")
     assert solver.checkpoint()["readings/effort/guide/share"].shape[1] == (1024 if wall else 0)
