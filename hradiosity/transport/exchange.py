@@ -156,18 +156,18 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
 
     n_rows, n_samples = hits.row.shape
     met = hits.row < UNLIT
-    start = np.concatenate([[0], np.cumsum(met.sum(axis=1))]).astype(np.int32)
     target = hits.row[met].astype(np.int32)
 
-    def summed(of_rays: NDArray[np.float64]) -> csr_array:
-        found = csr_array((of_rays, target.copy(), start.copy()), shape=(n_rows, n_rows))
+    def summed(of_rays: NDArray[np.float64], some: NDArray[np.bool_] | slice = slice(None)) -> csr_array:
+        found = csr_array((of_rays[some], target[some].copy(), _starts(sender[some], n_rows)), shape=(n_rows, n_rows))
         found.sum_duplicates()
         return found
 
+    sender = np.repeat(np.arange(n_rows), met.sum(axis=1))
     rays_per_area = np.divide(n_samples, elements.area, out=np.full(n_rows, np.inf), where=elements.area > 0.0)
-    count = summed(np.ones(len(target)))
     fixed = None
     if hits.density is None:
+        count = summed(np.ones(len(target)))
         back = csr_array(count.T)
         pooled = csr_array(count + back)
         pooled.sort_indices()
@@ -176,11 +176,11 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
         reciprocity = _reciprocity_defect(count, back, rays_per_area)
     else:
         own, other = hits.density[met].astype(np.float64).T
-        sender = np.repeat(rays_per_area, np.diff(start))
-        plain, dense = sender + rays_per_area[target], own * sender + other * rays_per_area[target]
+        plain, alone = rays_per_area[sender] + rays_per_area[target], own * rays_per_area[sender]
+        dense = alone + other * rays_per_area[target]
         sure = dense > SURE * plain
-        pooled, fixed = (_both_ways(summed(np.where(some, 1.0 / dense, 0.0))) for some in (~sure, sure))
-        reciprocity = _aimed_reciprocity_defect(count, summed(1.0 / (own * sender)))
+        pooled, fixed = (_both_ways(summed(1.0 / dense, some)) for some in (~sure, sure))
+        reciprocity = _aimed_reciprocity_defect(summed(np.ones(len(target)), sure), summed(1.0 / alone, sure))
     element_area, outside, sky = seen_areas(hits, elements)
     return closed_exchange(
         pooled,
@@ -193,11 +193,15 @@ def build_exchange(hits: RowHits, elements: Elements) -> Exchange:
     )
 
 
+def _starts(sender: NDArray[np.int64], n_rows: int) -> NDArray[np.int32]:
+    """(n_rows + 1,) where the entries of each row begin, by the rows (n,), ascending, that entries are of."""
+    return np.concatenate([[0], np.cumsum(np.bincount(sender, minlength=n_rows))]).astype(np.int32)
+
+
 def _both_ways(found: csr_array) -> csr_array:
-    """Hits of both directions; entries that are 0 are left out."""
+    """Hits of both directions."""
     from scipy.sparse import csr_array
 
-    found.eliminate_zeros()
     pooled = csr_array(found + csr_array(found.T))
     pooled.sort_indices()
     return pooled
@@ -342,7 +346,7 @@ def _reciprocity_defect(found: csr_array, back: csr_array, rays_per_area: NDArra
 
 
 def _aimed_reciprocity_defect(count: csr_array, form_factor_area: csr_array) -> float:
-    """The same from numbers of hits and exchange areas by the rays of the one side alone."""
+    """The same of lines that rows aim at, from numbers of hits and exchange areas by the rays of the one side alone."""
     often = count.copy()
     often.data = (often.data > 4).astype(np.float64)
     both = often.multiply(often.T)
