@@ -43,6 +43,8 @@ class Options:
     light_samples : shadow rays from a reading to each emitter, all replicates together; as many as to eight emitters in
         all where there are more of them
     gather_samples : paths from a reading, all replicates together
+    more_for_few : where there are fewer than a thousand readings, as many paths as a thousand have together, but no
+        more than eight times as many for each: beside the elements they cost little; in qualities
     lookup : first hit of a path at which the solution may be looked up, 1, 2 or 3; later ones halve the error of coarse
         elements, but double and triple the variance and the price of a path: more elements are the cheaper way
     replicates : independent runs whose spread gives the intervals, at least 2
@@ -78,6 +80,7 @@ class Options:
     light_points: int = 32
     light_samples: int = 1024
     gather_samples: int = 2048
+    more_for_few: bool = False
     lookup: Lookup = 1
     replicates: int = 8
     accuracy: float | None = None
@@ -102,8 +105,8 @@ class Options:
 
     @classmethod
     def of_quality(cls, quality: Quality, **changes: Any) -> Options:
-        """The settings of a quality, with some of them changed."""
-        preset: dict[str, Any] = dict(QUALITIES[quality])
+        """The settings of a quality, with some of them changed; samples that are said are meant, however few read."""
+        preset: dict[str, Any] = dict(QUALITIES[quality]) | {"more_for_few": "gather_samples" not in changes}
         return cls(**(preset | changes))
 
     def __post_init__(self) -> None:

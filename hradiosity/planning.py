@@ -31,6 +31,8 @@ MANY_TIMES, LEAST_RAYS_SHARE = 4, 0.5
 FEW_REFLECTIONS = 0.7
 """Mean reflectance in any band up to which they do: the closure of rows has an error of one over the rays of each,
 which grows with the number of reflections."""
+FEW_READINGS, MOST_FOR_FEW = 1000, 8.0
+"""Readings from which on each has the paths of a quality, and times as many that each of few may have."""
 MOST_BY_PATH = 64_000
 """Elements that the free path may ask for: between two plates as wide as a field it is short."""
 MOST_TIMES, ANYWAY = 16, 2000
@@ -94,6 +96,13 @@ def _columns_of_class(
     return expansion, inside / top, int(bands[0])
 
 
+def paths_of_reading(options: Options, n_readings: int) -> int:
+    """Paths from a reading, all replicates together, see `Options.more_for_few`."""
+    if not options.more_for_few:
+        return options.gather_samples
+    return round(options.gather_samples * min(max(FEW_READINGS / max(n_readings, 1), 1.0), MOST_FOR_FEW))
+
+
 def _light_samples(options: Options, n_emitters: int) -> int:
     """Shadow rays from a reading to each emitter in a replicate: many emitters average out, and share the rays."""
     return max(1, round(options.light_samples * shared_rays(n_emitters) / options.replicates))
@@ -151,7 +160,7 @@ def make_plan(scene: Scene, options: Options, lit: LitSides) -> Plan:
         rays_per_element=max(16, -(-_rays_per_element(scene, options, lit, n_elements) // replicates)),
         light_points=-(-options.light_points // replicates),
         light_samples=_light_samples(options, int(np.count_nonzero(~weak))),
-        gather_samples=-(-options.gather_samples // replicates),
+        gather_samples=-(-paths_of_reading(options, n_readings) // replicates),
         replicates=replicates,
         occlusion=occlusion.needed,
         interreflection=interreflection.needed,

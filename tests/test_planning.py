@@ -8,7 +8,7 @@ from rooms import SceneBuilder, cube
 
 from hradiosity.model.scene import Scene, Sky
 from hradiosity.options import Options
-from hradiosity.planning import make_plan, spectral_columns
+from hradiosity.planning import make_plan, paths_of_reading, spectral_columns
 from hradiosity.reference.radiosity import solve_dense
 from hradiosity.space.lit_sides import LitSides
 
@@ -186,3 +186,14 @@ def test_many_times_the_elements_asked_for_send_fewer_rays_each_but_for_bright_r
     scene = room([np.full(BANDS, reflectance)], [np.ones(BANDS)])
     options = Options(elements=80, element_size=edge, rays_per_element=512)
     assert make_plan(scene, options, lit_cube(scene)).rays_per_element == rays
+
+
+@pytest.mark.parametrize(("n_readings", "times"), [(1, 8.0), (125, 8.0), (400, 2.5), (1000, 1.0), (5800, 1.0)])
+def test_few_readings_have_the_paths_of_a_thousand_up_to_eight_times_as_many(n_readings, times):
+    draft = Options.of_quality("draft")
+    assert paths_of_reading(draft, n_readings) == round(times * draft.gather_samples)
+
+
+def test_samples_that_are_said_are_meant():
+    assert paths_of_reading(Options.of_quality("draft", gather_samples=640), 3) == 640
+    assert paths_of_reading(Options(gather_samples=640), 3) == 640

@@ -149,7 +149,9 @@ def _repeat_with(solution: Solution) -> dict[str, Any] | None:
         if options["time"] is not None:
             return None
         start = ("replicates", "elements" if options["element_size"] is None else "element_size", *totals)
-        return {"accuracy": options["accuracy"], **{name: options[name] for name in start}, **alike}
+        paths = plan.gather_samples * options["replicates"]
+        given = {name: options[name] for name in start} | {"gather_samples": paths}
+        return {"accuracy": options["accuracy"], **given, **alike}
     samples = {name: getattr(plan, name) * count for name in totals}
     samples["light_samples"] = round(samples["light_samples"] / shared_rays(plan.n_emitters))
     return {"replicates": count, "element_size": plan.element_size, **samples, **alike}

@@ -8,6 +8,7 @@ from typing import Final
 
 from hradiosity.options import Options
 from hradiosity.plan import Plan
+from hradiosity.planning import paths_of_reading
 
 _LOOKUP_SHARE = {1: 0.4, 2: 0.67, 3: 1.0}
 """Of a path, by the hit at which it ends."""
@@ -35,7 +36,7 @@ def work_of(
         Of the scene.
     """
     rays = elements * max(options.rays_per_element, 16 * options.replicates)
-    paths = 3.0 * _LOOKUP_SHARE[options.lookup] * options.gather_samples
+    paths = 3.0 * _LOOKUP_SHARE[options.lookup] * paths_of_reading(options, n_readings)
     return {
         "exchange rays": rays,
         "exchange": rays,
