@@ -99,10 +99,10 @@ def test_case_60_one_compute_unit_and_other_devices(device):
 
 
 def test_case_60_a_device_without_double_precision(device, monkeypatch):
-    """Rays and readings need none, so they are the same; hemicubes do and say so."""
+    """Rays and readings need none: the solver's sums are taken elsewhere, in another order. Hemicubes do and say so."""
     mine = only(solve(room(), QUICK, device))
     monkeypatch.setattr(device, "info", replace(device.info, has_double=False))
-    np.testing.assert_array_equal(only(solve(room(), QUICK, device)).irradiance, mine.irradiance)
+    np.testing.assert_allclose(only(solve(room(), QUICK, device)).irradiance, mine.irradiance, rtol=1e-6)
     for options in (
         replace(QUICK, mode="classic", element_size=0.3),
         replace(QUICK, form_factors="contour", elements=100),
