@@ -65,7 +65,7 @@ def test_noise_is_that_of_readings(room):
     solver, light, position, normal = room
     n, spread = len(position), []
     for lookup in (1, 3):
-        effort = Effort.even((n, 1), 1, 1, lookup)
+        effort = Effort.even((n, 1), 256, 1, lookup)
         reflected = [
             read_points(
                 solver.on_device, solver.on_device_elements, light, position, normal, effort, rules=RULES, seed=seed
