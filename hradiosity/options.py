@@ -44,7 +44,7 @@ class Options:
         all where there are more of them
     gather_samples : paths from a reading, all replicates together
     more_for_few : where there are fewer than a thousand readings, as many paths as a thousand have together, but no
-        more than eight times as many for each: beside the elements they cost little; in qualities
+        more than eight times as many for each: beside the elements they cost little; in qualities, without an accuracy
     lookup : first hit of a path at which the solution may be looked up, 1, 2 or 3; later ones halve the error of coarse
         elements, but double and triple the variance and the price of a path: more elements are the cheaper way
     replicates : independent runs whose spread gives the intervals, at least 2

@@ -97,8 +97,11 @@ def _columns_of_class(
 
 
 def paths_of_reading(options: Options, n_readings: int) -> int:
-    """Paths from a reading, all replicates together, see `Options.more_for_few`."""
-    if not options.more_for_few:
+    """Paths from a reading, all replicates together, see `Options.more_for_few`.
+
+    A run to an accuracy sets out with few: it adds what each reading needs.
+    """
+    if not options.more_for_few or options.accuracy is not None:
         return options.gather_samples
     return round(options.gather_samples * min(max(FEW_READINGS / max(n_readings, 1), 1.0), MOST_FOR_FEW))
 

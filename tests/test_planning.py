@@ -197,3 +197,4 @@ def test_few_readings_have_the_paths_of_a_thousand_up_to_eight_times_as_many(n_r
 def test_samples_that_are_said_are_meant():
     assert paths_of_reading(Options.of_quality("draft", gather_samples=640), 3) == 640
     assert paths_of_reading(Options(gather_samples=640), 3) == 640
+    assert paths_of_reading(Options.of_quality("draft", accuracy=0.01), 3) == Options.of_quality("draft").gather_samples
