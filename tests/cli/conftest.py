@@ -36,10 +36,13 @@ def room(tmp_path):
 
 @pytest.fixture
 def call(capsys, device, monkeypatch):
-    """Call the program with arguments; one device serves all calls, so that its kernels are loaded once."""
+    """Call the program with arguments; one device serves all calls, so that its kernels are loaded once. Each call says
+    for itself what is built.
+    """
     monkeypatch.setattr(session, "Device", lambda spec: device if spec is None else Device(spec))
 
     def run(*arguments):
+        device.on_build = None
         code = main([str(argument) for argument in arguments])
         captured = capsys.readouterr()
         return Outcome(code, captured.out, captured.err)
