@@ -11,6 +11,7 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from hradiosity.device.device import DeviceArray
 from hradiosity.space.shafts import UNKNOWN
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
 from hradiosity.transport.direct import direct_on_rows
@@ -50,11 +51,24 @@ def points_for_lamps(
     n_rows = len(elements.elements)
     if not scene.occlusion or n_rows == 0 or scene.n_emitters == 0:
         return None
-    exposed = np.zeros((n_rows, PILOT_POINTS), np.uint32)
-    hits = RowHits(exposed, exposed, scene.device.upload(exposed))
     bright = emission.mean(axis=1)
-    seen = direct_on_rows(scene, elements, hits, PILOT_POINTS, seed) * bright
+    seen = seen_from_points(scene, elements, PILOT_POINTS, seed) * bright
     doubtful = (seen > 0.0) & (seen.sum(axis=1, keepdims=True) < DOUBTFUL * clear * bright)
     if sight is not None:
         doubtful &= sight == UNKNOWN
     return np.where(doubtful, TIMES * n_points, n_points).astype(np.uint32) if doubtful.any() else None
+
+
+def seen_from_points(
+    scene: DeviceScene, elements: DeviceElements, n_points: int, seed: int, chance: DeviceArray | None = None
+) -> NDArray[np.float32]:
+    """(n_rows, n_emitters) light for unit emission by some points of each element, whether they are covered or not.
+
+    Parameters
+    ----------
+    chance : (n_rows, n_emitters) float32 on the device, optional
+        Of trying each lamp, see `hradiosity.transport.direct.direct_on_rows`.
+    """
+    exposed = np.zeros((len(elements.elements), n_points), np.uint32)
+    hits = RowHits(exposed, exposed, scene.device.upload(exposed))
+    return direct_on_rows(scene, elements, hits, n_points, seed, chance)

@@ -7,11 +7,9 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
-from hradiosity.device.device import DeviceArray
 from hradiosity.space.shafts import UNKNOWN
 from hradiosity.transport.device_scene import DeviceElements, DeviceScene
-from hradiosity.transport.direct import direct_on_rows
-from hradiosity.transport.exchange import RowHits
+from hradiosity.transport.lamp_doubt import seen_from_points
 
 PILOT_POINTS: Final = 8
 FURTHER_POINTS: Final = 24
@@ -57,9 +55,10 @@ def points_by_worth(
     error = np.where(doubt, worth, 0.0)
     if float((error**2).sum()) / (4.0 * n_points) <= tolerance**2:
         return None
-    seen = _seen(scene, elements, PILOT_POINTS, seed, doubt)
+    place, upload = (scene, elements), scene.device.upload
+    seen = seen_from_points(*place, PILOT_POINTS, seed, upload(doubt, np.float32)).astype(np.float64)
     again = doubt & (seen == 0.0)
-    more = _seen(scene, elements, FURTHER_POINTS, seed + 1, again)
+    more = seen_from_points(*place, FURTHER_POINTS, seed + 1, upload(again, np.float32)).astype(np.float64)
     seen += np.where(again, more * FURTHER_POINTS / (PILOT_POINTS + FURTHER_POINTS), 0.0)
     open_share = np.clip(np.divide(seen, clear, out=np.zeros_like(seen), where=clear > 0.0), 0.0, 1.0)
     rays = np.where(again, PILOT_POINTS + FURTHER_POINTS, PILOT_POINTS)
@@ -73,13 +72,3 @@ def points_by_worth(
         middle = 0.5 * (low + high)
         low, high = (middle, high) if np.clip(middle * error, 1.0, MOST_TIMES).sum() <= room else (low, middle)
     return np.rint(n_points * np.clip(low * error, 1.0, MOST_TIMES)).astype(np.uint32)
-
-
-def _seen(
-    scene: DeviceScene, elements: DeviceElements, n_points: int, seed: int, where: NDArray[np.bool_]
-) -> NDArray[np.float64]:
-    """(n_rows, n_emitters) light for unit emission by some points of each element, 0 elsewhere."""
-    exposed = np.zeros((len(elements.elements), n_points), np.uint32)
-    hits = RowHits(exposed, exposed, scene.device.upload(exposed))
-    chance: DeviceArray = scene.device.upload(where, np.float32)
-    return direct_on_rows(scene, elements, hits, n_points, seed, chance).astype(np.float64)
